@@ -1,10 +1,12 @@
 #include "audit/advice.h"
 
+#include <fmt/format.h>
+
 #include <map>
 
 namespace mortise::audit {
 
-std::string_view advice(std::string_view check, const Has& has) {
+std::string advice(std::string_view check, const Has& has) {
   static constexpr std::string_view kBalance = "a smaller solver.relative_tolerance; if that does not help, the defect is mortise's",
                                     kStiff = "a larger affine_body.stiffness", kDamps = "shorter steps (time.step), or inertia: {integrator: bdf2}",
                                     kMesh = "a finer mesh of what is stressed (edge_length; three elements across what is thin), or order: 2",
@@ -58,7 +60,11 @@ std::string_view advice(std::string_view check, const Has& has) {
   if (it == all.end()) return {};
   const std::string_view text = it->second;
   const bool known = (text == kDamps && has.bdf2) || (text == kMesh && has.quadratic);
-  return known ? text.substr(0, text.rfind(", or ")) : text;
+  std::string out(known ? text.substr(0, text.rfind(", or ")) : text);
+  constexpr std::string_view kThinner = "a smaller d_hat";
+  if (const std::size_t at = out.find(kThinner); at != out.npos && has.d_hat > 0)
+    out.insert(at + kThinner.size(), fmt::format(" (it is {:.3g} mm)", 1e3 * has.d_hat));
+  return out;
 }
 
 }  // namespace mortise::audit

@@ -60,8 +60,10 @@ Certificate::Certificate(const model::ModelInput& input)
   for (const Params& asked : entries(scene, "quantities"))
     asks_work_ = asks_work_ || asked.text("value") == "supports/work" || asked.text("value") == "audit/support_work";
   const Params& effects = scene.at("effects");
-  for (const std::string& name : effects::of_role(effects, effects::Role::contact))
+  for (const std::string& name : effects::of_role(effects, effects::Role::contact)) {
     d_hat_[name] = effects::contact::support_radius(effects.at(name), input);
+    has_.d_hat = std::max(has_.d_hat, d_hat_[name]);
+  }
   for (const std::string& name : effects::of_role(effects, effects::Role::inertia)) inertia_ = name;
 }
 

@@ -20,9 +20,9 @@ std::string text_of(const Grade& grade) {
 }
 
 std::vector<std::string> hints(const Grade& grade) {
-  std::vector<std::pair<std::string_view, std::string>> of;  // advice, and names of checks
+  std::vector<std::pair<std::string, std::string>> of;  // advice, and names of checks
   for (const Check& k : grade.failed) {
-    const std::string_view help = advice(k.name, grade.has);
+    const std::string help = advice(k.name, grade.has);
     if (help.empty() || !(grade.all.letter == k.earns() || (k.of != Of::fields && grade.forces.letter == k.earns()))) continue;
     const auto known = std::find_if(of.begin(), of.end(), [&](const auto& one) { return one.first == help; });
     if (known == of.end())

@@ -9,11 +9,15 @@
 
 namespace mortise::audit {
 ForceBalance force_balance(const Snapshot& said) {
-  double supports = 0;
-  if (const Snapshot::Values* f = said.of_points("support_force", 3))
-    for (std::size_t i = 0; i < f->size() / 3; ++i) supports += at(*f, i).norm();
+  const auto sum = [&](const char* field) {
+    double sum = 0;
+    if (const Snapshot::Values* f = said.of_points(field, 3))
+      for (std::size_t i = 0; i < f->size() / 3; ++i) sum += at(*f, i).norm();
+    return sum;
+  };
+  // What one body holds from all sides bears no resultant; its forces act on both.
   return {std::hypot(said.at("balance/defect_x"), said.at("balance/defect_y"), said.at("balance/defect_z")),
-          std::fmax(said.at("balance/largest"), supports)};
+          std::max({said.at("balance/largest"), sum("support_force"), 0.5 * sum("contact_force")})};
 }
 
 namespace {

@@ -48,7 +48,8 @@ struct StateReport {
 };
 
 // Sum of all forces [N], and what it is to be held against: the largest force of one effect on one body or, where larger, what supports hold
-// the points with, summed without regard to direction (forces inside of one body have no resultant). NaN before anything was solved.
+// the points with, or bodies press each other with, summed without regard to direction (forces inside of one body have no resultant, and few of
+// what presses it from all sides). NaN before anything was solved.
 struct ForceBalance {
   double defect = NAN, scale = NAN;
 };

@@ -146,6 +146,8 @@ void Coupled::solve(device::Buffer<Vec3>& q, double relative, Linearised& at, Li
     stop();
     watch.begin(r, it, active_);
     for (Index e = 0; e < model.envs; ++e)
+      if (const std::string gone = active_[e] ? system_.gone_for_good(r, e) : ""; !gone.empty()) envs.fail(e, gone), active_[e] = 0;
+    for (Index e = 0; e < model.envs; ++e)
       if (active_[e] && system_.solved(r, e, relative, envs[e].step)) envs[e].state = EnvState::solved, active_[e] = 0;
     if (!any(active_)) return;
     narrow();

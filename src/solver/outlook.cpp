@@ -1,7 +1,6 @@
 #include "solver/outlook.h"
 
 #include <cmath>
-#include <sstream>
 #include <utility>
 
 #include "solver/kernels.h"
@@ -25,11 +24,8 @@ void Outlook::look(const Residual& r, Index iteration, const std::function<doubl
   for (Index e = 0; e < envs.size(); ++e) {
     EnvStatus& now = envs[e];
     if (now.state != EnvState::running) continue;
-    if (const auto gone = gone_for_good(r, e); gone >= 0) {
-      std::ostringstream why;
-      why << "'" << system_.model.bodies[gone].name << "' has gone " << r.way[gone] << " m in a scene of " << system_.length[e]
-          << " m: nothing holds it against its loads";
-      envs.fail(e, why.str());
+    if (const std::string gone = system_.gone_for_good(r, e); !gone.empty()) {
+      envs.fail(e, gone);
       continue;
     }
     // While supports move, energies rise with their work and say nothing.
@@ -63,13 +59,6 @@ void Outlook::look(const Residual& r, Index iteration, const std::function<doubl
     if (r.support_gap[e] > 0) why << "; supports are " << r.support_gap[e] << " m from their targets";
     envs.fail(e, why.str());
   }
-}
-
-// A body in statics that has gone so far that what is left of its forces is rounding of where it is; -1 without.
-Index Outlook::gone_for_good(const Residual& r, Index env) const {
-  for (Index i = system_.model.env_bodies[env]; options_.is_static && i < system_.model.env_bodies[env + 1]; ++i)
-    if (r.way[i] > tuning::kGone * system_.length[env]) return i;
-  return -1;
 }
 
 void Outlook::keep_nearest(Index env, double force, const device::Buffer<Vec3>& q) {

@@ -23,7 +23,6 @@ class Outlook {
   double nearest(Index env) const { return nearest_force_[env]; }  // least residual of these iterations [N]
 
  private:
-  Index gone_for_good(const Residual& r, Index env) const;
   void keep_nearest(Index env, double force, const device::Buffer<Vec3>& q);
   bool needs_jacobian(Index env, Index iteration, const Residual& r, double wanted, const EnvStatus& now);
   bool wants_coupled(Index env, Index iteration, const Residual& r, double wanted, const ProgressWatch::Sight& sight, const EnvStatus& now);

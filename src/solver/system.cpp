@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <sstream>
 
 #include "linalg/supports.h"
 #include "solver/kernels.h"
@@ -81,6 +82,16 @@ Residual System::residual(device::View<const Vec3> q, const Linearised& at, devi
   fetch.now("residual");
   convergence.finish(r);
   return r;
+}
+
+std::string System::gone_for_good(const Residual& r, Index env) const {
+  for (Index i = model.env_bodies[env]; options.is_static && i < model.env_bodies[env + 1]; ++i) {
+    if (!(r.way[i] > tuning::kGone * length[env])) continue;
+    std::ostringstream why;
+    why << "'" << model.bodies[i].name << "' has gone " << r.way[i] << " m in a scene of " << length[env] << " m: nothing holds it against its loads";
+    return why.str();
+  }
+  return {};
 }
 
 std::string System::not_finite(const Linearised& at, Index env) const {

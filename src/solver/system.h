@@ -29,6 +29,8 @@ class System {
   Residual linearise(device::View<const Vec3> q, effects::Want want, Linearised& at, bool fresh = false);
   // Which force is not finite in an environment, and where.
   std::string not_finite(const Linearised& at, Index env) const;
+  // Which body in statics has gone so far that what is left of its forces is rounding of where it is; empty without.
+  std::string gone_for_good(const Residual& r, Index env) const;
   // By what touches at the state of `at`; samples it.
   void find_groups(Linearised& at, const EnvMask& whose);
 

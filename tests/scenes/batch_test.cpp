@@ -269,7 +269,7 @@ TEST(Batch, EveryEnvironmentHasItsNumbersAndReports) {
 // Some cut their steps, each by itself, while contact chooses its stiffness from step to step and the others wait for them: what a wait or a
 // neighbour's parts of a step change is neither state nor what is told of it, samples included.
 TEST(Batch, AutomaticStiffnessWhileOthersCutTheirSteps) {
-  const std::vector<std::string> few{"solver.iterations=6", "effects.friction.lag_iterations=1", "solver.linear=direct"};
+  const std::vector<std::string> few{"solver.iterations=4", "effects.friction.lag_iterations=1", "solver.linear=direct"};
   std::string barrier = kSlide, layer = with_mortar(kSlide);
   barrier.replace(barrier.find("{d_hat: 1 mm, stiffness: 50 kPa}"), 32, "{}");
   for (const std::string& scene : {barrier, layer}) {

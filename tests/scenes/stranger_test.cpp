@@ -475,6 +475,27 @@ effects:
   EXPECT_THROW(rig.step(), Error);
 }
 
+// The coupled iteration, which it is left to, threw it 1.2e9 m far and was satisfied.
+TEST(Stranger, WhatIsThrownAwayFailsTheStep) {
+  Rig rig(R"(
+mortise: 1
+name: thrown
+time: {mode: static, steps: 5}
+materials: {gel: {youngs_modulus: 0.1 MPa, poisson_ratio: 0.3, density: 1000}}
+bodies:
+  block: {type: soft, shape: {box: {size: [20 mm, 20 mm, 20 mm], edge_length: 5 mm}}, material: gel, position: [0, 0, 10.02 mm]}
+  floor: {type: half_space}
+effects:
+  gravity: {}
+  elasticity: {}
+  pressure_load: [{body: block, where: {box: {min: [0.009, -1, -1], max: [1, 1, 0.01]}}, traction: [235.44, 0, 0], traction_factor: {time: [0, 0.2, 1], value: [0, 0, 1]}}]
+  mortar_contact: {pairs: [{slave: block, master: floor}]}
+  friction: {follows: mortar_contact, mu: 0.4}
+)");
+  rig.steps(3);
+  EXPECT_THROW(rig.step(), Error);
+}
+
 // Vertices of the plate lie over nodes of the gel, exactly, and press dimples into it: forces turn round within a nanometre there, and full steps led
 // from one side to the other and back (233 and 527 iterations, in parts of a step).
 TEST(Stranger, APlateOnAThinGelTakesFewIterations) {
@@ -572,7 +593,7 @@ effects:
   inertia: {}
   gravity: {}
   affine_body: {}
-  mortar_contact: {pairs: [{slave: ladder, master: floor}, {slave: ladder, master: wall}]}
+  mortar_contact: {pairs: [{slave: ladder, master: floor}, {slave: ladder, master: wall}], stiffness: 4.4 kPa}
   friction: {follows: mortar_contact, mu: 0.4, pairs: [{a: ladder, b: wall, mu: 0}]}
 )");
   const std::vector<double> start = rig.engine->points();
