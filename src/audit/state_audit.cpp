@@ -43,6 +43,7 @@ EnergyAudit::EnergyAudit(const model::ModelInput& input)
       motor_lag_(input),
       turning_(input),
       spin_(input),
+      to_and_fro_(input),
       vibrations_(input, moving_),
       swings_(input),
       phase_(input),
@@ -125,6 +126,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   vibrations_.state(now.said, now.points, moving, stored_, bounces_.brought());
   swings_.state(now.said, now.points, moving, elastic);
   spin_.state(moving);
+  to_and_fro_.state(now.points, moving);
   turning_.state(now.points, moving, {lost, own_, elastic, least_, own_scale_.work()});
   points_before_ = now.points;
   measured();
@@ -137,6 +139,7 @@ void EnergyAudit::step(bool first_order) {
   struck_.step(first_order);
   turning_.step(first_order);
   spin_.step(first_order);
+  to_and_fro_.step(first_order);
   measured();
 }
 
@@ -152,7 +155,8 @@ void EnergyAudit::measured() {
   r_.facet_torque = facet_torque_.share(), r_.given_kinks = given_kinks_.value(), r_.jolted = jolted_.value(), r_.struck = struck_.share();
   r_.motor_lag = motor_lag_.way(), r_.motor_torque_lag = motor_lag_.torque();
   r_.free_loss = free_ + bounces_.sum() + vibrations_.sum(steady_), r_.impacts = bounces_.stiff();
-  r_.own_loss = std::max({bounces_.own(), vibrations_.alone(r_.loss_scale), swings_.share()}), r_.own_impacts = bounces_.own_stiff();
+  r_.own_loss = std::max({bounces_.own(), vibrations_.alone(r_.loss_scale), swings_.share(), to_and_fro_.share()}),
+  r_.own_impacts = bounces_.own_stiff();
   r_.turning_loss = turning_.sum(), r_.own_turning = std::max(turning_.of_its_own(), spin_.share()), r_.given_turning = turning_.given();
 }
 
@@ -188,6 +192,7 @@ void EnergyAudit::checkpoint(Archive& archive) {
   motor_lag_.checkpoint(archive);
   turning_.checkpoint(archive);
   spin_.checkpoint(archive);
+  to_and_fro_.checkpoint(archive);
   bounces_.checkpoint(archive);
   vibrations_.checkpoint(archive);
   swings_.checkpoint(archive);

@@ -26,6 +26,7 @@
 #include "audit/struck.h"
 #include "audit/swing_loss.h"
 #include "audit/swing_phase.h"
+#include "audit/to_and_fro_loss.h"
 #include "audit/turning_loss.h"
 #include "audit/vibration_loss.h"
 #include "base/archive.h"
@@ -75,7 +76,7 @@ class EnergyAudit {
     double impacts = 0;   // in doubt after impacts of stiff bodies (bounce_loss.h) [J]
     double at_start = 0;  // energy that contact has in the first state and gives away [J]
     // The largest share of what it has itself that a body or mechanism lost in bounces (bounce_loss.h), alone (vibration_loss.h), or while it swings
-    // on what carries it (swing_loss.h); and the share of it that impacts leave in doubt.
+    // on what carries it (swing_loss.h) or goes to and fro on what it lies on (to_and_fro_loss.h); and the share of it that impacts leave in doubt.
     double own_loss = 0;
     double own_impacts = 0;
     double turning_loss = NAN;                       // turning_loss.h [J]
@@ -123,6 +124,7 @@ class EnergyAudit {
   MotorLag motor_lag_;
   TurningLoss turning_;
   SpinLoss spin_;
+  ToAndFroLoss to_and_fro_;
   BounceLoss bounces_;
   VibrationLoss vibrations_;
   SwingLoss swings_;

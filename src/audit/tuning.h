@@ -65,10 +65,11 @@ inline constexpr double kRolls = 0.5;   // its farthest point, from turning, ove
 inline constexpr double kWheel = 1;     // [rad]: a leg or a finger that rolls on its tip turns back before that (turning_loss.cpp)
 inline constexpr double kTurns =
     1e-3;  // of the energy of motion of a body in flight: with less its rim turns by less than a twentieth of its way (spin_loss.cpp)
-inline constexpr double kSpun = 1;       // [rad]: what anybody sees, however far the body goes (spin_loss.cpp)
-inline constexpr double kSticks = 0.5;   // of what friction takes, where it sticks: with more nothing slips (slip_sampling.cpp)
-inline constexpr double kUpright = 0.2;  // across the force below, of the spin: what rolls or rocks has more (spin_loss.cpp)
-inline constexpr double kWeight = 0.5;   // of the change of velocity of a contact: when weight does more of it, it is no bounce (bounce_loss.cpp)
+inline constexpr double kToAndFro = 0.1;  // of a body's radius: by less it rocks or settles (to_and_fro_loss.cpp)
+inline constexpr double kSpun = 1;        // [rad]: what anybody sees, however far the body goes (spin_loss.cpp)
+inline constexpr double kSticks = 0.5;    // of what friction takes, where it sticks: with more nothing slips (slip_sampling.cpp)
+inline constexpr double kUpright = 0.2;   // across the force below, of the spin: what rolls or rocks has more (spin_loss.cpp)
+inline constexpr double kWeight = 0.5;    // of the change of velocity of a contact: when weight does more of it, it is no bounce (bounce_loss.cpp)
 // Of the energy of motion: with less along the change nobody looks at a bounce, a tenth of the speed, or at a hop of stiff bodies, a third
 // (bounce_loss.cpp).
 inline constexpr double kSeen = 0.01, kSeenStiff = 0.1;
