@@ -62,7 +62,7 @@ double BounceLoss::against(const std::vector<MovingBody>& bodies, std::size_t gr
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MovingBody& b = bodies[i];
     if (b.group != group || !(b.touches || b.stopped)) continue;
-    const Vec3 u = at(flew_, 2 * i) + at(flew_, 2 * i + 1).cross(b.pressed - b.x);
+    const Vec3 u = geometry::RigidVelocity{b.x, at(flew_, 2 * i), at(flew_, 2 * i + 1)}.at(b.pressed);
     const double along = u.dot(b.push), all = u.squaredNorm() * b.push.squaredNorm();
     most = std::max(most, b.touches && all > 0 ? along * along / all : 1.0);
   }
@@ -73,7 +73,7 @@ void BounceLoss::state(const std::vector<MovingBody>& bodies, double lost, const
   if (bodies.empty()) return;
   if (contacts_.empty()) contacts_.resize(bodies.size()), flew_.resize(6 * bodies.size());
   const std::vector<Group> groups = groups_of(bodies, own);
-  const bool soft = std::any_of(bodies.begin(), bodies.end(), [](const MovingBody& b) { return b.body.soft() && b.touches; });
+  const bool soft = soft_touches(bodies);
   double changed = 0, ended = 0, flies = 0, impact = 0;
   for (const Group& g : groups)
     if (!g.given) changed += g.changed;

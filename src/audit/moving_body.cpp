@@ -104,6 +104,10 @@ std::vector<std::size_t> pressed_by(const Snapshot& said, std::size_t count) {
 
 }  // namespace
 
+bool soft_touches(const std::vector<MovingBody>& bodies) {
+  return std::any_of(bodies.begin(), bodies.end(), [](const MovingBody& b) { return b.body.soft() && b.touches; });
+}
+
 std::vector<double> velocities(const std::vector<MovingBody>& bodies) {
   std::vector<double> out;
   for (const MovingBody& b : bodies)

@@ -55,6 +55,8 @@ struct MovingBody : HowHeld {
   double turning_of(const Vec3& of) const { return w.squaredNorm() > 0 ? turns * of.squaredNorm() / w.squaredNorm() : 0; }
 };
 
+// Does anything soft?
+bool soft_touches(const std::vector<MovingBody>& bodies);
 // v and w of all bodies, three numbers each.
 std::vector<double> velocities(const std::vector<MovingBody>& bodies);
 

@@ -161,8 +161,7 @@ Mat3 StressError::stretch(const Body& b, std::span<const double> displacement) {
   const Mat3 U = svd.V * svd.s.asDiagonal() * svd.V.transpose();
   std::vector<Vec3> held, stretched;
   for (const std::size_t n : b.fixed) held.push_back(place(n)), stretched.push_back(U * held.back());
-  const Mat3 R = geometry::fixes_a_frame(held) ? geometry::nearest_motion(stretched, held).R : Mat3::Identity();
-  return R * U - Mat3::Identity();
+  return geometry::nearest_motion_of_any(stretched, held).R * U - Mat3::Identity();
 }
 
 double StressError::bent(const Body& b, const geometry::Motion& base, const Mat3& stretch, std::span<const double> displacement) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "audit/archived.h"
+#include "audit/least_of_last.h"
 #include "audit/tuning.h"
 #include "audit/vector_at.h"
 #include "model/held_points.h"
@@ -15,14 +16,6 @@ namespace {
 std::vector<double> sum_of(std::vector<double> values, double times, const std::vector<double>& others) {
   for (std::size_t i = 0; i < values.size(); ++i) values[i] += times * others[i];
   return values;
-}
-
-// The least of a new value and the last ones, which it is one of from then on.
-template <std::size_t n>
-double least(double (&last)[n], double now) {
-  std::rotate(last, last + 1, last + n);
-  last[n - 1] = now;
-  return *std::min_element(last, last + n);
 }
 
 }  // namespace
@@ -106,7 +99,7 @@ void SwingLoss::state(const Snapshot& said, const std::vector<double>& points, c
     if (changes.empty()) continue;  // at the start nobody knows how fast carriers are
     moved[b.swings_with] += std::min(b.body.kinetic_energy(now.v, points), b.body.kinetic_energy(now.seen, points));
     look_how_far(b, now.seen, points, s);
-    const double of_first = 2 * least(changes_[i].first, energy(changes)), of_second = least(changes_[i].second, energy(second));
+    const double of_first = 2 * least_of_last(changes_[i].first, energy(changes)), of_second = least_of_last(changes_[i].second, energy(second));
     if (!b.touches && !b.stopped) s.first += of_first, s.second += of_second;
   }
   for (std::size_t i = 0; i < swings_.size(); ++i) swings_[i].moved = std::max(swings_[i].moved, moved[i]);

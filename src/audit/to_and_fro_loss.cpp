@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "audit/archived.h"
+#include "audit/least_of_last.h"
 #include "audit/tuning.h"
 
 namespace mortise::audit {
@@ -19,12 +20,10 @@ Squares lesser(const MovingBody& b, const Vec3& one, const Vec3& other) {
   return a.sum() < c.sum() ? a : c;
 }
 
-// D by axis, no more in all than in the two steps before, which are those of the next one then.
-void take(Squares D, double (&lasts)[2], double (&out)[3]) {
-  const double all = D.sum(), least = std::min({all, lasts[0], lasts[1]});
-  lasts[0] = lasts[1], lasts[1] = all;
-  if (all > 0) D *= least / all;
-  for (int k = 0; k < 3; ++k) out[k] = D[k];
+// D by axis, no more in all than in the steps before.
+void take(const Squares& D, double (&lasts)[3], double (&out)[3]) {
+  const double all = D.sum(), least = least_of_last(lasts, all);
+  for (int k = 0; k < 3; ++k) out[k] = all > 0 ? D[k] * (least / all) : 0;
 }
 
 }  // namespace
@@ -48,7 +47,7 @@ void ToAndFroLoss::state(const std::vector<double>& points, const std::vector<Mo
     const Vec3 v = b.v, seen = b.on ? Vec3(b.v - bodies[*b.on].rigid().at(b.pressed)) : b.v;
     const double m = b.body.mass();
     const Vector v1(of.v[0]), v2(of.v[1]), seen1(of.seen[0]), seen2(of.seen[1]);
-    if (of.states == 0) std::fill_n(&of.lasts[0][0], 4, 0.0);
+    if (of.states == 0) std::fill_n(&of.lasts[0][0], 6, 0.0);
     if (of.states >= 1) take(m / 2 * lesser(b, v - v1, seen - seen1), of.lasts[0], of.first);
     if (of.states >= 2) take(m / 4 * lesser(b, v - 2 * v1 + v2, seen - 2 * seen1 + seen2), of.lasts[1], of.second);
     for (int k = 0; k < 3; ++k) {

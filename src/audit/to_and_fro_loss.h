@@ -29,7 +29,7 @@ class ToAndFroLoss {
     double v[2][3] = {}, seen[2][3] = {};             // in the last state and in the one before; from what it lies on [m/s]
     double states = 0;                                // so far in which it lay there, in a row
     double first[3] = {}, second[3] = {};             // D of the last step, by order and axis [J]
-    double lasts[2][2] = {};                          // all of D in the two steps before, by order [J]
+    double lasts[2][3] = {};                          // all of D in the last steps, by order [J]
     double sum[3] = {}, fro[3] = {}, to[3] = {};      // of D [J]; the largest velocities against and along the axes [m/s]
     double way[3] = {}, least[3] = {}, most[3] = {};  // so far, as seen from there, and its ends [m]
     double radius = 0, moved = 0;                     // [m], [J]

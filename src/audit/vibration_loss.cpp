@@ -20,10 +20,6 @@ std::vector<double> energies_of(const std::vector<double>& velocity, const std::
   return out;
 }
 
-bool soft_touches(const std::vector<MovingBody>& bodies) {
-  return std::any_of(bodies.begin(), bodies.end(), [](const MovingBody& b) { return b.body.soft() && b.touches; });
-}
-
 }  // namespace
 
 VibrationLoss::VibrationLoss(const model::ModelInput& input, const MovingBodies& moving) : integration_(integration_of(input.scene)) {
@@ -55,7 +51,8 @@ void VibrationLoss::state(const Snapshot& said, const std::vector<double>& point
   const std::vector<double> now(v.begin(), v.end());
   look_how_far(said, points, bodies);
   const std::vector<double> energies = energies_of(now, points, bodies);
-  stored_ = std::max(stored_, stored), moved_ = std::max(moved_, counted(energies, bodies));
+  const bool struck = soft_touches(bodies);
+  stored_ = std::max(stored_, stored), moved_ = std::max(moved_, counted(energies, bodies, struck));
   std::vector<double> moved(mechanisms_.size(), 0.0);
   std::vector<bool> touches(mechanisms_.size(), false);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -63,16 +60,14 @@ void VibrationLoss::state(const Snapshot& said, const std::vector<double>& point
     touches[bodies[i].group] = touches[bodies[i].group] || bodies[i].touches || bodies[i].stopped;
   }
   for (std::size_t g = 0; g < moved.size(); ++g) mechanisms_[g].moved = std::max(mechanisms_[g].moved, moved[g]);
-  const bool struck = soft_touches(bodies);
   const auto lost = [&](const std::vector<double>& change, double times, double Mechanism::*to) {
     std::vector<double> energies = energies_of(change, points, bodies);
-    for (std::size_t i = 0; i < bodies.size(); ++i)
-      if (const MovingBody& b = bodies[i]; b.touches && !struck && !b.body.soft())
-        energies[i] = b.energy_of(b.along_contact(b.body.mean(change, points)));
-    for (std::size_t i = 0; i < bodies.size(); ++i)
-      if (Mechanism& m = mechanisms_[bodies[i].group]; m.alone && !touches[bodies[i].group] && counts(bodies[i], i, false))
-        m.*to += times * energies[i];
-    return times * counted(energies, bodies);
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      const MovingBody& b = bodies[i];
+      if (b.touches && !struck && !b.body.soft()) energies[i] = b.energy_of(b.along_contact(b.body.mean(change, points)));
+      if (Mechanism& m = mechanisms_[b.group]; m.alone && !touches[b.group] && counts(b, i, false)) m.*to += times * energies[i];
+    }
+    return times * counted(energies, bodies, struck);
   };
   std::vector<double> change = now;
   if (!v1_.empty()) {
@@ -102,11 +97,10 @@ bool VibrationLoss::counts(const MovingBody& b, std::size_t i, bool struck) cons
   return b.body.soft() || (!b.given && !b.damped && far_[i] && ((b.touches && struck) || !b.free));
 }
 
-double VibrationLoss::counted(const std::vector<double>& energies, const std::vector<MovingBody>& bodies) {
-  const bool soft = soft_touches(bodies);
+double VibrationLoss::counted(const std::vector<double>& energies, const std::vector<MovingBody>& bodies, bool struck) {
   double sum = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i)
-    if (counts(bodies[i], i, soft)) sum += energies[i], counted_[i] = 1;
+    if (counts(bodies[i], i, struck)) sum += energies[i], counted_[i] = 1;
   return sum;
 }
 

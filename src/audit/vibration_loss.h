@@ -11,9 +11,9 @@
 //     min(1, U/T) sum 2 D,     U, T: the largest of the run.
 // Counted are soft bodies, and stiff ones that go as no pin and no kinematic drive says and that touch something soft or are held (by what is soft,
 // by springs, by motors with gains or efforts, by joints; where they touch what is stiff the changes of their velocity along that, which it does not
-// make, count), once they have gone farther than stiff bodies of the size of all that hangs together give
-// (kTrembles), and unless their joint damps far more than the time step does. Not what bodies brought that struck something (2 D of bringing them to
-// rest in one step is twice that): if they come to rest nobody asks for it, if not: bounce_loss.h.
+// make, count), once they have gone farther than stiff bodies of the size of all that hangs together give (kTrembles), and unless their joint damps
+// far more than the time step does. Not what bodies brought that struck something (2 D of bringing them to rest in one step is twice that): if they
+// come to rest nobody asks for it, if not: bounce_loss.h.
 //
 // Where nothing but soft bodies is moved and nothing touches, energies tell what they lose: a stress wave in a bar that is pushed has no 2 D in the
 // step in which it starts.
@@ -53,7 +53,7 @@ class VibrationLoss {
   };
   void look_how_far(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies);
   bool counts(const MovingBody& b, std::size_t i, bool struck) const;
-  double counted(const std::vector<double>& energies, const std::vector<MovingBody>& bodies);  // sum over the bodies that count
+  double counted(const std::vector<double>& energies, const std::vector<MovingBody>& bodies, bool struck);  // sum over the bodies that count
 
   Integration integration_;
   std::vector<std::uint8_t> far_;            // by body: has it gone so far that it does more than tremble?

@@ -145,10 +145,13 @@ void Coupled::solve(device::Buffer<Vec3>& q, double relative, Linearised& at, Li
   for (Index it = 0; it < tuning::kCoupledIterations; ++it) {
     stop();
     watch.begin(r, it, active_);
-    for (Index e = 0; e < model.envs; ++e)
-      if (const std::string gone = active_[e] ? system_.gone_for_good(r, e) : ""; !gone.empty()) envs.fail(e, gone), active_[e] = 0;
-    for (Index e = 0; e < model.envs; ++e)
-      if (active_[e] && system_.solved(r, e, relative, envs[e].step)) envs[e].state = EnvState::solved, active_[e] = 0;
+    for (Index e = 0; e < model.envs; ++e) {
+      if (!active_[e]) continue;
+      if (const std::string gone = system_.gone_for_good(r, e); !gone.empty())
+        envs.fail(e, gone), active_[e] = 0;
+      else if (system_.solved(r, e, relative, envs[e].step))
+        envs[e].state = EnvState::solved, active_[e] = 0;
+    }
     if (!any(active_)) return;
     narrow();
     factor(q, active_, at);

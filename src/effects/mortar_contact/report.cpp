@@ -90,9 +90,9 @@ double partition_defect(std::span<const double> share) {
 
 }  // namespace
 
-// Areas over or under the other surface, of points on which a force is: of a point of slaves and masters the larger [m^2]. What is farther than a
-// slave's longest edge, or than that of the longest one in contact, is not over it. share: what of every triangle with such a point is covered by
-// triangles.
+// Areas over or under the other surface, of points on which a force is (of others parts): of a point of slaves and masters the larger [m^2]. What is
+// farther than a slave's longest edge, or than that of the longest one in contact, is not over it. share: what of every triangle with such a point is
+// covered by triangles.
 std::vector<double> MortarContact::cover_of(const MortarLinearisation& at, const std::vector<Vec3>& y, const std::vector<Pair>& pairs,
                                             const std::vector<std::uint8_t>& pressed, std::vector<double>& share) {
   std::vector<double> reach = more_reach();
@@ -120,7 +120,7 @@ std::vector<double> MortarContact::cover_of(const MortarLinearisation& at, const
       if (c.master >= 0) under[triangles[c.master].v[k]] += c.M[k];
     }
   }
-  for (std::size_t i = 0; i < on.size(); ++i) on[i] = pressed[i] ? std::max(on[i], under[i]) : 0;
+  for (std::size_t i = 0; i < on.size(); ++i) on[i] = std::max(on[i], under[i]);
   return on;
 }
 
