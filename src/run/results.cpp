@@ -57,6 +57,7 @@ void Results::begin(const model::ModelInput& input, const std::string& resolved)
 output::FileInfo Results::info(const std::string& resolved) const { return {version(), git_sha1(), resolved, hash_}; }
 
 void Results::go_on(output::CheckpointReader& from, const std::string& resolved) {
+  whole_ = false;
   checkpoint(from);
   const output::FileInfo now = info(resolved);
   file_ = output::FieldFile::reopen(folder_.file("fields.vtkhdf"), from.info().frames, from.info().step, fields_,
@@ -82,6 +83,7 @@ void Results::state(const State& now) {
 void Results::frame(const State& now) {
   const Stopwatch output;
   const std::vector<sensors::Reading> readings = sensors_.read(now.said, now.points);
+  sensor_reach_.see(readings);
   certificate_.state(now.said, now.time);
   file_->begin_frame(now.time, now.points);
   now.said.report(*file_);
@@ -138,6 +140,8 @@ void Results::finish(End& end, const std::function<void(const std::string&)>& no
     if (!v.pass) tell(fmt::format("check failed: {}; it is {}", v.text, v.found.empty() ? fmt::format("{:.6g}", v.value) : v.found));
   if (file_ && file_->can_flush()) file_->flush();
   if (end.status == Exit::done && certificate_.nothing_touched()) note("warning: nothing touched at any time, so that contact had nothing to do");
+  if (whole_ && (end.status == Exit::done || end.status == Exit::checks))
+    for (const std::string& warning : sensor_reach_.warnings(sensors_)) note("warning: " + warning);
   record_.frames = frames();
   record_.write(folder_.file("run.json"), {options_, name, hash_, end.status, end.message, end.wall}, end.engine);
 }

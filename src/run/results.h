@@ -19,6 +19,7 @@
 #include "run/progress.h"
 #include "run/record.h"
 #include "run/sensor_maps.h"
+#include "run/sensor_reach.h"
 #include "sensors/sensors.h"
 
 namespace mortise::run {
@@ -83,6 +84,8 @@ class Results {
   audit::Checks checks_;
   std::unique_ptr<Pictures> pictures_;
   std::optional<SensorMaps> sensor_maps_;
+  SensorReach sensor_reach_;
+  bool whole_ = true;  // no part of it was run by another process
   long picture_every_ = 1;
   audit::ContactFigures contact_;
 };
