@@ -72,11 +72,12 @@ std::vector<std::pair<double, std::string>> ticks(double low, double high) {
   std::vector<std::pair<double, std::string>> list;
   for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k) {
     char text[32];
+    const double value = k * step + 0.0;  // the ceiling of what is just below zero is -0
     if (step < 1e-4 || step >= 1e6)
-      std::snprintf(text, sizeof text, "%g", k * step);
+      std::snprintf(text, sizeof text, "%g", value);
     else
-      std::snprintf(text, sizeof text, "%.*f", decimals, k * step + 0.0);
-    list.emplace_back(k * step, text);
+      std::snprintf(text, sizeof text, "%.*f", decimals, value);
+    list.emplace_back(value, text);
   }
   return list;
 }

@@ -6,6 +6,7 @@
 #include "scene/checker.h"
 #include "scene/checks.h"
 #include "scene/edge_lengths.h"
+#include "scene/field_units.h"
 #include "scene/pass_through.h"
 #include "scene/quantities.h"
 #include "scene/quantity.h"
@@ -247,6 +248,22 @@ class CrossCheck {
     return std::any_of(outputs->items().begin(), outputs->items().end(), [&](const Params& o) { return o.as_text() == kind; });
   }
 
+  // A scale of colours is in a unit of what it shows.
+  void colour_scale(const Params& camera, const std::string& path) {
+    const Params *by = camera.find("colour_by"), *unit = camera.find("unit");
+    if (!by && !incomplete_.count(path))
+      for (const char* key : {"unit", "range"})
+        if (const Params* useless = camera.find(key))
+          errors_.add(useless->where(), path + "." + key + " is of no use: the camera colours by no field", "colour_by: contact_pressure");
+    if (!by || !unit) return;
+    if (const std::string wrong = wrong_unit(by->as_text(), unit->as_text()); !wrong.empty()) {
+      const std::vector<std::string> known = units_of_field(by->as_text());
+      const std::string near = nearest(unit->as_text(), known);
+      errors_.add(unit->where(), path + ".unit " + wrong,
+                  near.empty() ? "units of " + by->as_text() + ": " + join(known, ", ") : "did you mean '" + near + "'?");
+    }
+  }
+
   void cameras() {
     const Params* render = root_.find("render");
     const Params* cameras = render ? render->find("cameras") : nullptr;
@@ -287,8 +304,7 @@ class CrossCheck {
                       "fields of points here: " + join(known, ", "));
       }
       if (const Params* by = camera.find("colour_by")) is_field(*by, path + ".colour_by", fields(false));
-      if (const Params* unit = camera.find("unit"); unit && !parse_quantity("1 " + unit->as_text(), Unit::any).error.empty())
-        errors_.add(unit->where(), path + ".unit is '" + unit->as_text() + "', which is no unit", suggestion(unit->as_text(), suffixes(Unit::any)));
+      colour_scale(camera, path);
       if (range && (range->items().size() != 2 || !(range->items()[0].as_number() < range->items()[1].as_number())))
         errors_.add(range->where(), path + ".range must be two increasing numbers");
     }

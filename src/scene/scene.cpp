@@ -12,6 +12,7 @@
 #include "scene/robot.h"
 #include "scene/tables.h"
 #include "scene/trajectory.h"
+#include "scene/written_units.h"
 #include "scene/yaml.h"
 
 namespace mortise::scene {
@@ -88,6 +89,7 @@ Scene read(const std::string& text, const std::string& path, const std::vector<s
   }
   Checker checker(errors, folder);
   scene.root = checker.table(tables.root(), root, "");
+  check_written_units(root, scene.root, errors);
   expand_trajectories(scene.root, errors);
   cross_check(scene.root, effects, checker.incomplete(), errors);
   check_environments(root, scene.root, tables.root(), checker.incomplete(), errors);

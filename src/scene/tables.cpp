@@ -315,7 +315,8 @@ const ParamTable& camera_table() {
        range(optional(of(Kind::vec3, "background", Unit::none, {}, "Background colour of this camera; absent takes that of `render`.")), 0, 1),
        optional(of(Kind::text, "colour_by", Unit::none, {}, "Field that colours the bodies.")),
        optional(of(Kind::numbers, "range", Unit::any, {}, "Values at the two ends of the colour scale; absent takes the run's extremes.")),
-       optional(of(Kind::text, "unit", Unit::none, {}, "Unit of the numbers at the colour scale."))}};
+       optional(of(Kind::text, "unit", Unit::none, {},
+                   "Unit of the numbers at the colour scale, one of what the field measures; absent takes that of SI."))}};
   return t;
 }
 const ParamTable& render_table() {

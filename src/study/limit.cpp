@@ -14,7 +14,8 @@ namespace {
 // `dimension`: what it measures.
 double read_number(const std::string& text, Unit& dimension) {
   for (Unit unit : {Unit::none, Unit::length, Unit::time, Unit::mass, Unit::pressure, Unit::force, Unit::angle, Unit::velocity,
-                    Unit::angular_velocity, Unit::acceleration, Unit::density, Unit::energy}) {
+                    Unit::angular_velocity, Unit::acceleration, Unit::density, Unit::energy, Unit::torque, Unit::stiffness, Unit::angular_stiffness,
+                    Unit::damping, Unit::angular_damping, Unit::rotary_inertia, Unit::frequency}) {
     const scene::Quantity q = scene::parse_quantity(text, unit);
     if (!q.error.empty()) continue;
     dimension = unit;

@@ -97,6 +97,8 @@ TEST_F(SceneViewTest, ColourBarsSpeakTheirUnit) {
   EXPECT_DOUBLE_EQ(map.bar->high, 20e3);
   EXPECT_DOUBLE_EQ(*std::max_element(map.meshes[0].scalar.begin(), map.meshes[0].scalar.end()), 8e3);
   EXPECT_FALSE(view.job("map", {}, "").bar);  // no such field in this frame
+  EXPECT_EQ(view.job("free", fields, "").bar->unit, "Pa") << "a number without one says nothing";
+  EXPECT_EQ(view.job("free", fields, "").bar->scale, 1);
 }
 
 TEST_F(SceneViewTest, AColourScaleWithoutRangeOnlyGrows) {
