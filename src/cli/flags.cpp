@@ -10,6 +10,14 @@ namespace mortise::cli {
 
 namespace {
 bool is_nan(const std::string& value) { return std::isnan(std::strtod(value.c_str(), nullptr)); }
+// CLI11 would say "Could not convert".
+Flag whole(CLI::Option* option) {
+  return Flag(option).check([](const std::string& value) {
+    const std::size_t sign = !value.empty() && (value[0] == '-' || value[0] == '+') ? 1 : 0;
+    const bool digits = value.size() > sign && value.size() < 19 && value.find_first_not_of("0123456789", sign) == std::string::npos;
+    return digits ? std::string() : "'" + value + "' must be a whole number";
+  });
+}
 }  // namespace
 
 Flag Flag::required() const { return Flag(option_->required()); }
@@ -45,9 +53,9 @@ Flag Command::option(const std::string& name, std::vector<std::string>& to, cons
 Flag Command::option(const std::string& name, std::vector<double>& to, const std::string& help) const {
   return Flag(app_->add_option(name, to, help));
 }
-Flag Command::option(const std::string& name, int& to, const std::string& help) const { return Flag(app_->add_option(name, to, help)); }
-Flag Command::option(const std::string& name, long& to, const std::string& help) const { return Flag(app_->add_option(name, to, help)); }
-Flag Command::option(const std::string& name, unsigned long& to, const std::string& help) const { return Flag(app_->add_option(name, to, help)); }
+Flag Command::option(const std::string& name, int& to, const std::string& help) const { return whole(app_->add_option(name, to, help)); }
+Flag Command::option(const std::string& name, long& to, const std::string& help) const { return whole(app_->add_option(name, to, help)); }
+Flag Command::option(const std::string& name, unsigned long& to, const std::string& help) const { return whole(app_->add_option(name, to, help)); }
 Flag Command::option(const std::string& name, double& to, const std::string& help) const { return Flag(app_->add_option(name, to, help)); }
 Flag Command::time(const std::string& name, double& to, const std::string& help, bool positive) const {
   const auto read = [&to, name, positive](const std::string& text) {

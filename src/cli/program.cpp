@@ -169,7 +169,10 @@ int program(std::vector<std::string> arguments) {
 
 void add_scene_options(Command command, std::string& scene, std::vector<std::string>& overrides) {
   command.option("scene", scene, "scene file; - reads the standard input").required();
-  command.option("--set", overrides, "PATH=VALUE changes one value of the scene, e.g. bodies.pad.velocity.2=-0.1; the right-most wins")
+  command
+      .option(
+          "--set", overrides,
+          "PATH=VALUE changes one value of the scene, e.g. bodies.pad.velocity.2=-0.1; PATH=null removes it (an effect, a body); the right-most wins")
       .one_each()
       .take_all();
 }

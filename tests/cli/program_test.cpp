@@ -36,6 +36,20 @@ TEST(Program, HelpHasExamplesOnStdout) {
   EXPECT_THAT(mortise("check -h").out, HasSubstr("--print-resolved"));
 }
 
+// "0-5" was frame 0, "2.7" frame 2.
+TEST(Program, FramesAreReadStrictly) {
+  for (const char* bad : {"0-5", "2x", "2.7", "2:4abc", "5:3", "-1", ":", "1:2:3"}) {
+    for (const std::string& command : {std::string("export nowhere -o x.glb"), "render " + kScene + " nowhere.vtkhdf"}) {
+      const Result r = mortise(command + " --frames=" + bad);
+      EXPECT_EQ(r.code, 2) << bad;
+      EXPECT_THAT(r.err, HasSubstr(std::string("--frames is '") + bad + "'")) << bad;
+    }
+  }
+  const Result run = mortise("run " + kScene + " --frames 1e3");
+  EXPECT_EQ(run.code, 2);
+  EXPECT_THAT(run.err, HasSubstr("'1e3' must be a whole number"));
+}
+
 TEST(Program, WithoutArgumentsIsAUsageError) {
   const Result r = mortise("");
   EXPECT_EQ(r.code, 2);
