@@ -70,6 +70,7 @@ class Results {
   void frame(const State& now);
   void line(const State& now);
   void audit(const audit::EnergyAudit::Result& energy);
+  std::vector<audit::Checks::Verdict> verdicts(const End& end, const std::function<void(const std::string&)>& note) const;
 
   const Options& options_;
   const Params& scene_;
