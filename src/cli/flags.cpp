@@ -10,6 +10,11 @@ namespace mortise::cli {
 
 namespace {
 bool is_nan(const std::string& value) { return std::isnan(std::strtod(value.c_str(), nullptr)); }
+// CLI11 gives a flag whose value was forgotten the next one for it.
+Flag no_flag(CLI::Option* option) {
+  return Flag(option).check(
+      [](const std::string& value) { return value.starts_with("--") ? "'" + value + "' is a flag where a value is wanted" : std::string(); });
+}
 // CLI11 would say "Could not convert".
 Flag whole(CLI::Option* option) {
   return Flag(option).check([](const std::string& value) {
@@ -46,9 +51,9 @@ Flag Flag::check(std::function<std::string(const std::string&)> wrong) const {
 }
 
 Command Command::command(const std::string& name, const std::string& help) const { return Command(app_->add_subcommand(name, help)); }
-Flag Command::option(const std::string& name, std::string& to, const std::string& help) const { return Flag(app_->add_option(name, to, help)); }
+Flag Command::option(const std::string& name, std::string& to, const std::string& help) const { return no_flag(app_->add_option(name, to, help)); }
 Flag Command::option(const std::string& name, std::vector<std::string>& to, const std::string& help) const {
-  return Flag(app_->add_option(name, to, help));
+  return no_flag(app_->add_option(name, to, help));
 }
 Flag Command::option(const std::string& name, std::vector<double>& to, const std::string& help) const {
   return Flag(app_->add_option(name, to, help));

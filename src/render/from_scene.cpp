@@ -260,6 +260,7 @@ RenderJob SceneView::job(const std::string& name, const std::map<std::string, st
   job.width = static_cast<int>(render_.integer("width")), job.height = static_cast<int>(render_.integer("height"));
   job.camera = camera(name);
   job.caption = std::move(caption);
+  if (const Params* annotate = p.find("annotate")) job.annotated = annotate->as_flag();
   const Params* own = p.find("background");
   job.background_top = own != nullptr ? own->as_vec3() : render_.vec3("background");
   job.background_bottom = 0.76 * job.background_top;

@@ -98,6 +98,7 @@ void draw_overlays(Image& image, const RenderJob& job) {
     const std::optional<Vec2> from = project(job, a.from), to = project(job, a.to);
     if (from && to) draw_arrow(image, (*from)[0], (*from)[1], (*to)[0] - (*from)[0], (*to)[1] - (*from)[1]);
   }
+  if (!job.annotated) return;
   if (job.bar) draw_bar(image, *job.bar);
   if (job.caption.empty()) return;
   const double size = std::max(10.0, image.height * 0.030);

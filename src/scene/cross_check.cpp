@@ -124,7 +124,8 @@ class CrossCheck {
       const Params* where = pin.find("where");
       const Params* side = where ? where->find("side") : nullptr;
       const Params* axes = pin.find("axes");
-      return name && name->as_text() == body && side && side->as_text() == "all" && (!axes || axes->as_text().size() == 3);
+      const bool meant = name && bodies_ && !bodies_->has(name->as_text());  // told by itself; it may be this one
+      return name && (meant || name->as_text() == body) && side && side->as_text() == "all" && (!axes || axes->as_text().size() == 3);
     });
   }
 
@@ -227,7 +228,11 @@ class CrossCheck {
     for (const EffectTable& table : tables_) {
       const Params* list = table.ties ? effects_->find(table.name) : nullptr;
       if (!list || list->kind() != Params::Kind::list) continue;
+      std::map<std::string, SourceLoc> names;
       for (const Params& tie : list->items()) {
+        if (const Params* own = tie.find("name"))
+          if (const auto [at, fresh] = names.emplace(own->as_text(), own->where()); !fresh)
+            errors_.add(own->where(), "two entries of " + table.name + " are called '" + own->as_text() + "'", "", {{at->second, "the first one"}});
         const Params *name = tie.find("name"), *body = tie.find("body"), *to = tie.find("to"), *contact = tie.find("contact");
         if (name && !is_name(name->as_text()))
           errors_.add(name->where(), "'" + name->as_text() + "' is not a name; names are made of a-z, 0-9, _ and -");

@@ -22,6 +22,8 @@ const ParamTable& table_of(const ParamTable& base, const Node& node) {
   return base;
 }
 
+bool is_word(const std::string& part) { return !part.empty() && part.find_first_not_of("-+.0123456789") != std::string::npos; }
+
 std::vector<std::string> keys(const Node& n) {
   std::vector<std::string> out;
   for (const auto& [key, value] : n.entries) out.push_back(key);
@@ -152,7 +154,7 @@ class Override {
     if (part.empty() || part.size() > 6 || part.find_first_not_of("0123456789") != std::string::npos) {
       const bool blocks = what.kind == Kind::tables;
       errors_.add(at_, path + " is a list; its entries are named 0" + (n > 1 ? " to " + std::to_string(n - 1) : ""),
-                  "write " + path + ".0" + (blocks ? "." + part : ""));
+                  "write " + path + ".0" + (blocks && is_word(part) ? "." + part : ""));
       return nullptr;
     }
     const std::size_t i = std::stoul(part);

@@ -239,6 +239,17 @@ TEST(Overrides, ErrorsCiteTheFlagAndTheLineItReplaces) {
   EXPECT_THROW(read(kBase, {"time"}), Error);
 }
 
+TEST(Scene, OneMistakeIsOneError) {
+  EXPECT_THAT(message(kBase + "  gravitation: {}\n"), HasSubstr("unknown effect 'gravitation'"));
+  std::string short_name = kBase;
+  short_name.replace(short_name.find("material: gel"), 13, "material: gel, pos: [0, 0, 1]");
+  EXPECT_THAT(message(short_name), HasSubstr("did you mean 'position'?"));
+  std::string rigid = kBase;
+  rigid.replace(rigid.find("type: soft"), 10, "type: rigid");
+  EXPECT_THAT(message(rigid), HasSubstr("did you mean 'stiff'?"));
+  EXPECT_THAT(message(kBase + "  move: {body: ball, time: [0]}\n", {"effects.move.-1.body=ball"}), testing::EndsWith("write effects.move.0"));
+}
+
 // It left friction in the scene, with its defaults.
 TEST(Overrides, NullRemoves) {
   const std::string text = kBase + "  load: {mu: 2}\n  move: {body: ball, time: [0, 1], translation: [[0, 0, 0], [0, 0, 1]]}\n";
