@@ -89,8 +89,9 @@ int cmd_study(const StudyOptions& o) {
   if (o.effects) {
     s.ladders.clear();
     const study::StudyFolder folder(place.folder);
-    study::claim_folder(s, "effects", place.folder, o.overwrite);
+    if (!o.overwrite) study::refuse_another_study(s, "effects", place.folder);
     const auto runs = study::run_without_effects(s, place, {told_run});
+    study::note_study(s, "effects", place.folder);
     output::write_file_atomically(place.folder + "/effects.csv", study::effects_csv(s, runs), false);
     std::cout << study::effects_table(s, runs) << "written to " << place.folder << ": effects.csv\n";
     return 0;
@@ -98,8 +99,9 @@ int cmd_study(const StudyOptions& o) {
   if (o.error_budget) {
     s.ladders.clear();
     const study::StudyFolder folder(place.folder);
-    study::claim_folder(s, "error_budget", place.folder, o.overwrite);
+    if (!o.overwrite) study::refuse_another_study(s, "error_budget", place.folder);
     const study::ErrorBudget budget = study::find_error_budget(s, place);
+    study::note_study(s, "error_budget", place.folder);
     output::write_file_atomically(place.folder + "/error_budget.json", study::budget_json(s, budget), false);
     std::cout << study::budget_table(s, budget) << "written to " << place.folder << ": error_budget.json\n";
     return 0;
@@ -107,8 +109,9 @@ int cmd_study(const StudyOptions& o) {
   if (!o.sensitivity.empty()) {
     s.ladders.clear();
     const study::StudyFolder folder(place.folder);
-    study::claim_folder(s, "sensitivity", place.folder, o.overwrite);
+    if (!o.overwrite) study::refuse_another_study(s, "sensitivity", place.folder);
     const study::Sensitivities found = study::find_sensitivities(s, o.sensitivity, place);
+    study::note_study(s, "sensitivity", place.folder);
     output::write_file_atomically(place.folder + "/sensitivity.csv", study::sensitivity_csv(s, found), false);
     std::cout << study::sensitivity_table(s, found) << "written to " << place.folder << ": sensitivity.csv\n";
     return 0;
@@ -116,8 +119,9 @@ int cmd_study(const StudyOptions& o) {
   const study::Plan plan = study::plan_of(s);
   if (o.dry_run) return list_runs(plan), 0;
   const study::StudyFolder folder(place.folder);
-  study::claim_folder(s, "study", place.folder, o.overwrite);
+  if (!o.overwrite) study::refuse_another_study(s, "study", place.folder);
   const study::Results results = study::run_study(s, place, {told_run});
+  study::note_study(s, "study", place.folder);
   study::write_reports(results, place.folder);
   std::cout << study::text_report(results) << "written to " << place.folder << ": study.html, work_precision.svg and .png, points.csv, study.json"
             << (study::recommended_yaml(results).empty() ? "" : ", recommended.yaml") << "\n";

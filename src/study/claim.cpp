@@ -36,19 +36,28 @@ bool goes_on(const Claim& before, const Claim& now) {
   return true;
 }
 
+std::string path_in(const std::string& folder) { return folder + "/studied.json"; }
+
+Claim read_claims(const std::string& folder) {
+  std::error_code ec;
+  if (!fs::exists(path_in(folder), ec)) return Claim::object();
+  const Claim all = Claim::parse(output::read_file(path_in(folder)), nullptr, false);
+  return all.is_object() ? all : Claim::object();
+}
+
 }  // namespace
 
-void claim_folder(const Study& study, const std::string& kind, const std::string& folder, bool overwrite) {
-  const std::string path = folder + "/studied.json";
-  std::error_code ec;
-  Claim all = fs::exists(path, ec) ? Claim::parse(output::read_file(path), nullptr, false) : Claim::object();
-  if (!all.is_object()) all = Claim::object();
-  const Claim now = claim_of(study);
-  if (!overwrite && all.contains(kind) && !goes_on(all[kind], now))
-    throw Error(Exit::usage, "'" + folder + "' holds another study (of another scene, other --set values or other ladders: " + path +
+void refuse_another_study(const Study& study, const std::string& kind, const std::string& folder) {
+  const Claim all = read_claims(folder);
+  if (all.contains(kind) && !goes_on(all[kind], claim_of(study)))
+    throw Error(Exit::usage, "'" + folder + "' holds another study (of another scene, other --set values or other ladders: " + path_in(folder) +
                                  "); use another -o, or --overwrite");
-  all[kind] = now;
-  output::write_file_atomically(path, json_text(all, 1) + "\n", false);
+}
+
+void note_study(const Study& study, const std::string& kind, const std::string& folder) {
+  Claim all = read_claims(folder);
+  all[kind] = claim_of(study);
+  output::write_file_atomically(path_in(folder), json_text(all, 1) + "\n", false);
 }
 
 }  // namespace mortise::study

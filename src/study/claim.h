@@ -5,9 +5,12 @@
 
 namespace mortise::study {
 
-// Notes in the folder what is studied there. Throws Error(Exit::usage) where its results of this kind ("study", "effects", ...) are of something
-// else, unless they may be overwritten: of another scene, other --set values, or ladders of which this study would lose steps. A study that asks for
-// more than the one before goes on with its runs.
-void claim_folder(const Study& study, const std::string& kind, const std::string& folder, bool overwrite);
+// What the results of a folder are of, by kind ("study", "effects", ...): studied.json. Noted when there are results, so that a study that was
+// refused for a mistake keeps no folder to itself.
+//
+// Throws Error(Exit::usage) where the folder's results of this kind are of something else: of another scene, other --set values, or ladders of which
+// this study would lose steps. One that asks for more than the one before goes on with its runs.
+void refuse_another_study(const Study& study, const std::string& kind, const std::string& folder);
+void note_study(const Study& study, const std::string& kind, const std::string& folder);
 
 }  // namespace mortise::study
