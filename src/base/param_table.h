@@ -20,6 +20,13 @@ enum class Unit {
   pressure,
   density,
   energy,
+  torque,
+  stiffness,  // of a slide, of a hinge; so the next two
+  angular_stiffness,
+  damping,
+  angular_damping,
+  rotary_inertia,
+  frequency,
   any  // a number with any known unit: what it measures depends on another key
 };
 

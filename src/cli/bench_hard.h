@@ -17,7 +17,7 @@ struct HardFlags {
 };
 void add_hard_flags(Command sub, HardFlags& flags);
 
-constexpr const char* kHardHelp = "hard cases of contact, one process per run, judged by their own criteria (H01-H73)";
+constexpr const char* kHardHelp = "hard cases of contact, one process per run, judged by their own criteria (H01 to H77)";
 
 constexpr const char* kFuzzHelp = "random scenes under the checks of the hard cases (--seeds N --first S)";
 

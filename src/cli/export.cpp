@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/frame_range.h"
 #include "engine/effect_tables.h"
 #include "engine/input.h"
 #include "exporters/film.h"
@@ -14,6 +15,7 @@
 #include "exporters/obj.h"
 #include "output/field_reader.h"
 #include "scene/environments.h"
+#include "scene/field_units.h"
 #include "scene/quantity.h"
 #include "scene/suggest.h"
 
@@ -31,22 +33,6 @@ struct ExportOptions {
   double fps = 0;  // 0: not given
   bool overwrite = false;
 };
-
-struct Range {
-  long first = 0, last = -1;  // -1: the last one there is
-};
-Range range_of(const std::string& text) {
-  Range r;
-  if (text.empty()) return r;
-  const std::size_t colon = text.find(':');
-  try {
-    r.first = std::stol(text.substr(0, colon));
-    r.last = colon == std::string::npos ? r.first : colon + 1 == text.size() ? -1 : std::stol(text.substr(colon + 1));
-  } catch (const std::exception&) {
-    throw Error(Exit::usage, "--frames is '" + text + "'; must be A:B, A: or A");
-  }
-  return r;
-}
 
 // The field file of a run: the argument, or in that folder.
 std::string fields_of(const std::string& run) {
@@ -66,7 +52,7 @@ void refuse_existing(const ExportOptions& o, const std::string& path) {
 
 int film(const ExportOptions& o) {
   refuse_existing(o, o.output);
-  const Range range = range_of(o.frames);
+  const FrameRange range = frame_range(o.frames);
   std::error_code ec;
   const std::string beside = fs::is_directory(o.run, ec) ? o.run : fs::path(o.run).parent_path().string(),
                     folder = (beside.empty() ? "." : beside) + "/frames";
@@ -118,10 +104,12 @@ exporters::Colouring colouring(const ExportOptions& o, const output::FieldReader
     if (!(out.high > out.low)) out.high = out.low + 1;
   } else {
     const std::size_t colon = o.range.find(':');
-    const scene::Quantity low = scene::parse_quantity(o.range.substr(0, colon), Unit::any),
-                          high = scene::parse_quantity(colon == std::string::npos ? "" : o.range.substr(colon + 1), Unit::any);
+    const Unit unit = scene::unit_of_field(o.colour_by).unit;
+    const scene::Quantity low = scene::parse_quantity(o.range.substr(0, colon), unit),
+                          high = scene::parse_quantity(colon == std::string::npos ? "" : o.range.substr(colon + 1), unit);
     for (const scene::Quantity* q : {&low, &high})
-      if (colon != std::string::npos && !q->error.empty()) throw Error(Exit::usage, "--range " + o.range + " " + q->error);
+      if (colon != std::string::npos && !q->error.empty())
+        throw Error(Exit::usage, "--range " + o.range + ": an end of it " + q->error + (q->hint.empty() ? "" : "\n  " + q->hint));
     if (colon == std::string::npos || !(low.value < high.value))
       throw Error(Exit::usage, "--range " + o.range + ": must be LOW:HIGH, two increasing numbers, e.g. '0:20 kPa'");
     out.low = low.value, out.high = high.value;
@@ -142,7 +130,7 @@ int meshes(const ExportOptions& o, const std::string& kind) {
   if (points != reader.mesh().points.size())
     throw Error(Exit::scene, fmt::format("'{}' holds {} points, the scene's meshes have {}: it is not the result of this scene", fields,
                                          reader.mesh().points.size(), points));
-  const Range range = range_of(o.frames);
+  const FrameRange range = frame_range(o.frames);
   const long last = range.last < 0 ? static_cast<long>(reader.frames()) - 1 : range.last;
   if (range.first < 0 || range.first > last || last >= static_cast<long>(reader.frames()))
     throw Error(Exit::usage, fmt::format("--frames {}:{}: '{}' holds frames 0 to {}", range.first, last, fields, reader.frames() - 1));
@@ -178,6 +166,7 @@ int cmd_export(const ExportOptions& o) {
   if (!is_film && kind != ".glb" && kind != ".obj")
     throw Error(Exit::usage,
                 "-o " + o.output + ": must end with .glb (animated glTF), .obj (a file per frame), .mp4 or .gif (a film of a camera's pictures)");
+  frame_range(o.frames);
   if (!o.camera.empty() && !is_film) throw Error(Exit::usage, "--camera belongs to films (.mp4, .gif); a " + kind + " file holds the whole scene");
   if (is_film && !o.colour_by.empty()) throw Error(Exit::usage, "--colour-by belongs to meshes (.glb, .obj); in pictures cameras say it: colour_by");
   if (o.colour_by.empty() && !o.range.empty()) throw Error(Exit::usage, "--range needs --colour-by");

@@ -10,6 +10,19 @@ namespace mortise::cli {
 
 namespace {
 bool is_nan(const std::string& value) { return std::isnan(std::strtod(value.c_str(), nullptr)); }
+// CLI11 gives a flag whose value was forgotten the next one for it.
+Flag no_flag(CLI::Option* option) {
+  return Flag(option).check(
+      [](const std::string& value) { return value.starts_with("--") ? "'" + value + "' is a flag where a value is wanted" : std::string(); });
+}
+// CLI11 would say "Could not convert".
+Flag whole(CLI::Option* option) {
+  return Flag(option).check([](const std::string& value) {
+    const std::size_t sign = !value.empty() && (value[0] == '-' || value[0] == '+') ? 1 : 0;
+    const bool digits = value.size() > sign && value.size() < 19 && value.find_first_not_of("0123456789", sign) == std::string::npos;
+    return digits ? std::string() : "'" + value + "' must be a whole number";
+  });
+}
 }  // namespace
 
 Flag Flag::required() const { return Flag(option_->required()); }
@@ -38,16 +51,16 @@ Flag Flag::check(std::function<std::string(const std::string&)> wrong) const {
 }
 
 Command Command::command(const std::string& name, const std::string& help) const { return Command(app_->add_subcommand(name, help)); }
-Flag Command::option(const std::string& name, std::string& to, const std::string& help) const { return Flag(app_->add_option(name, to, help)); }
+Flag Command::option(const std::string& name, std::string& to, const std::string& help) const { return no_flag(app_->add_option(name, to, help)); }
 Flag Command::option(const std::string& name, std::vector<std::string>& to, const std::string& help) const {
-  return Flag(app_->add_option(name, to, help));
+  return no_flag(app_->add_option(name, to, help));
 }
 Flag Command::option(const std::string& name, std::vector<double>& to, const std::string& help) const {
   return Flag(app_->add_option(name, to, help));
 }
-Flag Command::option(const std::string& name, int& to, const std::string& help) const { return Flag(app_->add_option(name, to, help)); }
-Flag Command::option(const std::string& name, long& to, const std::string& help) const { return Flag(app_->add_option(name, to, help)); }
-Flag Command::option(const std::string& name, unsigned long& to, const std::string& help) const { return Flag(app_->add_option(name, to, help)); }
+Flag Command::option(const std::string& name, int& to, const std::string& help) const { return whole(app_->add_option(name, to, help)); }
+Flag Command::option(const std::string& name, long& to, const std::string& help) const { return whole(app_->add_option(name, to, help)); }
+Flag Command::option(const std::string& name, unsigned long& to, const std::string& help) const { return whole(app_->add_option(name, to, help)); }
 Flag Command::option(const std::string& name, double& to, const std::string& help) const { return Flag(app_->add_option(name, to, help)); }
 Flag Command::time(const std::string& name, double& to, const std::string& help, bool positive) const {
   const auto read = [&to, name, positive](const std::string& text) {

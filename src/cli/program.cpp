@@ -99,7 +99,10 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& e) {
   const std::vector<std::string> rest = app.remaining(true);
   if (dynamic_cast<const CLI::ExtrasError*>(&e) && !rest.empty()) {
     const std::string flag = rest.front().substr(0, rest.front().find('='));
-    if (flag.size() < 2 || flag[0] != '-') return "'" + name + "' takes no further argument '" + rest.front() + "'" + more;
+    if (flag.size() < 2 || flag[0] != '-') {
+      const bool setting = rest.front().find('=') != std::string::npos;
+      return "'" + name + "' takes no further argument '" + rest.front() + "'" + (setting ? "\n  every setting needs a --set of its own" : more);
+    }
     std::vector<std::string> known;
     for (const CLI::Option* o : command.get_options()) {
       for (const std::string& l : o->get_lnames()) known.push_back("--" + l);
@@ -169,7 +172,10 @@ int program(std::vector<std::string> arguments) {
 
 void add_scene_options(Command command, std::string& scene, std::vector<std::string>& overrides) {
   command.option("scene", scene, "scene file; - reads the standard input").required();
-  command.option("--set", overrides, "PATH=VALUE changes one value of the scene, e.g. bodies.pad.velocity.2=-0.1; the right-most wins")
+  command
+      .option("--set", overrides,
+              "PATH=VALUE changes one value of the scene, e.g. bodies.pad.velocity.2=-0.1; PATH=null removes it (an effect, a body); the right-most "
+              "wins; a --set for each")
       .one_each()
       .take_all();
 }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "cli/commands.h"
+#include "cli/frame_range.h"
 #include "engine/effect_tables.h"
 #include "engine/input.h"
 #include "output/field_reader.h"
@@ -90,17 +91,6 @@ int cmd_render(const RenderOptions& o) {
   return 0;
 }
 
-// "A:B", "A:" or "A".
-void parse_range(const std::string& text, RenderOptions& o) {
-  const std::size_t colon = text.find(':');
-  try {
-    o.first = std::stol(text.substr(0, colon));
-    o.last = colon == std::string::npos ? o.first : colon + 1 == text.size() ? -1 : std::stol(text.substr(colon + 1));
-  } catch (const std::exception&) {
-    throw Error(Exit::usage, "--frames is '" + text + "'; must be A:B, A: or A");
-  }
-}
-
 }  // namespace
 
 void add_render(Command app, Context& context) {
@@ -119,7 +109,8 @@ void add_render(Command app, Context& context) {
       "  mortise render pad.yaml out/pad/fields.vtkhdf --every 1 --set 'sensors.map.range=[0, 20 kPa]'");
   sub.action([o, frames, &context] {
     context.action = [o, frames] {
-      if (!frames->empty()) parse_range(*frames, *o);
+      const FrameRange range = frame_range(*frames);
+      o->first = range.first, o->last = range.last;
       return cmd_render(*o);
     };
   });

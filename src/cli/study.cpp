@@ -11,6 +11,7 @@
 #include "engine/effect_tables.h"
 #include "output/atomic_file.h"
 #include "scene/scene.h"
+#include "study/claim.h"
 #include "study/effects_off.h"
 #include "study/error_budget.h"
 #include "study/read.h"
@@ -27,7 +28,7 @@ struct StudyOptions {
   std::vector<double> references;
   int threads = 1, repeats = 0;
   double limit = 0, budget = 0;
-  bool one_at_a_time = false, effects = false, error_budget = false, dry_run = false, quiet = false;
+  bool one_at_a_time = false, effects = false, error_budget = false, dry_run = false, quiet = false, overwrite = false;
 };
 
 study::Study of_flags(const StudyOptions& o) {
@@ -88,7 +89,9 @@ int cmd_study(const StudyOptions& o) {
   if (o.effects) {
     s.ladders.clear();
     const study::StudyFolder folder(place.folder);
+    if (!o.overwrite) study::refuse_another_study(s, "effects", place.folder);
     const auto runs = study::run_without_effects(s, place, {told_run});
+    study::note_study(s, "effects", place.folder);
     output::write_file_atomically(place.folder + "/effects.csv", study::effects_csv(s, runs), false);
     std::cout << study::effects_table(s, runs) << "written to " << place.folder << ": effects.csv\n";
     return 0;
@@ -96,7 +99,9 @@ int cmd_study(const StudyOptions& o) {
   if (o.error_budget) {
     s.ladders.clear();
     const study::StudyFolder folder(place.folder);
+    if (!o.overwrite) study::refuse_another_study(s, "error_budget", place.folder);
     const study::ErrorBudget budget = study::find_error_budget(s, place);
+    study::note_study(s, "error_budget", place.folder);
     output::write_file_atomically(place.folder + "/error_budget.json", study::budget_json(s, budget), false);
     std::cout << study::budget_table(s, budget) << "written to " << place.folder << ": error_budget.json\n";
     return 0;
@@ -104,7 +109,9 @@ int cmd_study(const StudyOptions& o) {
   if (!o.sensitivity.empty()) {
     s.ladders.clear();
     const study::StudyFolder folder(place.folder);
+    if (!o.overwrite) study::refuse_another_study(s, "sensitivity", place.folder);
     const study::Sensitivities found = study::find_sensitivities(s, o.sensitivity, place);
+    study::note_study(s, "sensitivity", place.folder);
     output::write_file_atomically(place.folder + "/sensitivity.csv", study::sensitivity_csv(s, found), false);
     std::cout << study::sensitivity_table(s, found) << "written to " << place.folder << ": sensitivity.csv\n";
     return 0;
@@ -112,7 +119,9 @@ int cmd_study(const StudyOptions& o) {
   const study::Plan plan = study::plan_of(s);
   if (o.dry_run) return list_runs(plan), 0;
   const study::StudyFolder folder(place.folder);
+  if (!o.overwrite) study::refuse_another_study(s, "study", place.folder);
   const study::Results results = study::run_study(s, place, {told_run});
+  study::note_study(s, "study", place.folder);
   study::write_reports(results, place.folder);
   std::cout << study::text_report(results) << "written to " << place.folder << ": study.html, work_precision.svg and .png, points.csv, study.json"
             << (study::recommended_yaml(results).empty() ? "" : ", recommended.yaml") << "\n";
@@ -165,6 +174,7 @@ void add_study(Command app, Context& context) {
       .excludes(budget)
       .excludes(sensitivity);
   sub.flag("--dry-run", o->dry_run, "list the runs and check the scene of each").excludes(budget).excludes(sensitivity);
+  sub.flag("--overwrite", o->overwrite, "replace the results of another study in the output folder");
   sub.option("--device", o->device, "as for run").environment_variable("MORTISE_DEVICE").show_default();
   sub.option("--threads", o->threads, "CPU threads of every run").positive().show_default();
   sub.flag("-q,--quiet", o->quiet, "no line per run");

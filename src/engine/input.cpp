@@ -1,8 +1,12 @@
 #include "engine/input.h"
 
+#include <cmath>
 #include <map>
+#include <set>
+#include <sstream>
 
 #include "effects/roles.h"
+#include "geometry/bounds.h"
 #include "geometry/placement.h"
 #include "geometry/shapes.h"
 #include "scene/scene.h"
@@ -90,6 +94,37 @@ model::BodyInput make_body(const Params& scene, const std::string& name, const P
   return out;
 }
 
+// All names of bodies in a block of pairs.
+void names_in(const Params& pairs, std::set<std::string>& out) {
+  if (pairs.kind() == Params::Kind::text) out.insert(pairs.as_text());
+  if (pairs.kind() == Params::Kind::list)
+    for (const Params& p : pairs.items()) names_in(p, out);
+  if (pairs.kind() == Params::Kind::table)
+    for (const auto& [key, p] : pairs.entries()) names_in(p, out);
+}
+
+// In a layer thicker than a body everything is near everything: the first step takes hours and fills the memory.
+void check_layers(const model::ModelInput& input) {
+  constexpr double kMost = 0.5;  // of the size of a body
+  const Params& effects = input.scene.at("effects");
+  for (const std::string& name : effects::of_role(effects, effects::Role::contact)) {
+    const Params *d_hat = effects.at(name).find("d_hat"), *pairs = effects.at(name).find("pairs");
+    std::set<std::string> listed;
+    if (pairs) names_in(*pairs, listed);
+    const model::BodyInput* smallest = nullptr;
+    double size = INFINITY;
+    for (const model::BodyInput& body : input.bodies) {
+      if (!d_hat || body.nodes.empty() || (pairs && !listed.count(body.name))) continue;
+      if (const double s = geometry::bounds_of(body.nodes).size().maxCoeff(); s < size) size = s, smallest = &body;
+    }
+    if (!smallest || d_hat->as_number() <= kMost * size) continue;
+    std::ostringstream text;
+    text << "effects." << name << ".d_hat is " << d_hat->as_number() << " m, more than half of body '" << smallest->name << "', which is " << size
+         << " m large: contact would keep bodies that far apart";
+    throw Error(Exit::scene, d_hat->where(), text.str());
+  }
+}
+
 }  // namespace
 
 void keep_meshes(const Params& scene) {
@@ -111,6 +146,7 @@ model::ModelInput make_input(const Params& scene) {
       throw Error(e.code(), body.where(), "body '" + name + "': " + e.what());
     }
   }
+  check_layers(input);
   return input;
 }
 

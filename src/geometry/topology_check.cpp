@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "geometry/bounds.h"
 #include "geometry/topology.h"
 
 namespace mortise::geometry {
@@ -19,6 +20,13 @@ std::string counted(std::size_t n, const std::string& noun) { return counted(n, 
 std::string position(const Vec3& p) {
   char text[96];
   std::snprintf(text, sizeof text, "(%.6g, %.6g, %.6g) m", p[0], p[1], p[2]);
+  return text;
+}
+
+// What vertices that should be one are apart at most, where nothing else is known: a hundred-thousandth of the mesh.
+std::string tolerance(const TriMesh& m) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.0e m", 1e-5 * bounds_of(m.points).size().maxCoeff());
   return text;
 }
 
@@ -130,7 +138,7 @@ void check_edges(const Check& c) {
     c.fail("the surface is not manifold: " + counted(fan.count, "edge belongs", "edges belong") + " to more than two triangles, " + place(fan));
   if (open.count > 0)
     c.fail("the surface is open: " + counted(open.count, "edge belongs", "edges belong") + " to one triangle only, " + place(open) +
-           "; if vertices only nearly coincide there, weld them");
+           "; if vertices only nearly coincide there, merge them in the scene, for example 'mesh: {file: ..., weld: " + tolerance(c.mesh) + "}'");
   if (turned.count > 0)
     c.fail("the surface is not consistently oriented: across " + counted(turned.count, "edge") + " the two triangles face opposite sides, " +
            place(turned));

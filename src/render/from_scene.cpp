@@ -12,6 +12,7 @@
 #include "render/camera.h"
 #include "render/colour_map.h"
 #include "render/overlay.h"
+#include "scene/field_units.h"
 #include "scene/quantity.h"
 #include "visual/mapper.h"
 #include "visual/normals.h"
@@ -133,8 +134,9 @@ GroundPlane ground_of(const Params& body) {
 ColourBar bar_of(const Params& camera, double low, double high) {
   ColourBar bar{camera.text("colour_by"), "", low, high, 1};
   std::replace(bar.label.begin(), bar.label.end(), '_', ' ');
+  bar.unit = scene::unit_of_field(camera.text("colour_by")).symbol;
   const Params* unit = camera.find("unit");
-  if (unit == nullptr) return bar;
+  if (unit == nullptr || unit->as_text() == bar.unit) return bar;
   const scene::Quantity one = scene::parse_quantity("1 " + unit->as_text(), Unit::any);
   if (!one.error.empty()) throw Error(Exit::scene, unit->where(), "the unit of a colour scale " + one.error);
   bar.unit = unit->as_text(), bar.scale = 1 / one.value;
@@ -258,6 +260,7 @@ RenderJob SceneView::job(const std::string& name, const std::map<std::string, st
   job.width = static_cast<int>(render_.integer("width")), job.height = static_cast<int>(render_.integer("height"));
   job.camera = camera(name);
   job.caption = std::move(caption);
+  if (const Params* annotate = p.find("annotate")) job.annotated = annotate->as_flag();
   const Params* own = p.find("background");
   job.background_top = own != nullptr ? own->as_vec3() : render_.vec3("background");
   job.background_bottom = 0.76 * job.background_top;

@@ -75,6 +75,7 @@ struct RenderJob {
   std::vector<Arrow> arrows;
   std::optional<ColourBar> bar;  // needed where a mesh has scalars
   std::string caption;           // lower left corner
+  bool annotated = true;         // else neither is drawn
   Vec3 background_top{0.93, 0.94, 0.96}, background_bottom{0.70, 0.73, 0.78};
 };
 

@@ -72,11 +72,12 @@ std::vector<std::pair<double, std::string>> ticks(double low, double high) {
   std::vector<std::pair<double, std::string>> list;
   for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k) {
     char text[32];
+    const double value = k * step + 0.0;  // the ceiling of what is just below zero is -0
     if (step < 1e-4 || step >= 1e6)
-      std::snprintf(text, sizeof text, "%g", k * step);
+      std::snprintf(text, sizeof text, "%g", value);
     else
-      std::snprintf(text, sizeof text, "%.*f", decimals, k * step + 0.0);
-    list.emplace_back(k * step, text);
+      std::snprintf(text, sizeof text, "%.*f", decimals, value);
+    list.emplace_back(value, text);
   }
   return list;
 }
@@ -97,6 +98,7 @@ void draw_overlays(Image& image, const RenderJob& job) {
     const std::optional<Vec2> from = project(job, a.from), to = project(job, a.to);
     if (from && to) draw_arrow(image, (*from)[0], (*from)[1], (*to)[0] - (*from)[0], (*to)[1] - (*from)[1]);
   }
+  if (!job.annotated) return;
   if (job.bar) draw_bar(image, *job.bar);
   if (job.caption.empty()) return;
   const double size = std::max(10.0, image.height * 0.030);

@@ -57,6 +57,7 @@ void Results::begin(const model::ModelInput& input, const std::string& resolved)
 output::FileInfo Results::info(const std::string& resolved) const { return {version(), git_sha1(), resolved, hash_}; }
 
 void Results::go_on(output::CheckpointReader& from, const std::string& resolved) {
+  whole_ = false;
   checkpoint(from);
   const output::FileInfo now = info(resolved);
   file_ = output::FieldFile::reopen(folder_.file("fields.vtkhdf"), from.info().frames, from.info().step, fields_,
@@ -82,6 +83,7 @@ void Results::state(const State& now) {
 void Results::frame(const State& now) {
   const Stopwatch output;
   const std::vector<sensors::Reading> readings = sensors_.read(now.said, now.points);
+  sensor_reach_.see(readings);
   certificate_.state(now.said, now.time);
   file_->begin_frame(now.time, now.points);
   now.said.report(*file_);
@@ -125,8 +127,26 @@ void Results::checkpoint(Archive& archive) {
   if (drawn && sensor_maps_) sensor_maps_->checkpoint(maps);
 }
 
+// Without those of checks that begin later than a good run was ended, by --frames or a partner, or that are of the end, which --frames cut off: they
+// say nothing of it, and are told to `note`.
+std::vector<audit::Checks::Verdict> Results::verdicts(const End& end, const std::function<void(const std::string&)>& note) const {
+  std::vector<audit::Checks::Verdict> all = checks_.verdicts(end.status, end.message), out;
+  const double until = record_.steps.empty() ? 0 : record_.steps.back().time;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Params &check = scene_.at("checks").items()[i], *from = check.find("from"), *to = check.find("until"), *when = check.find("when");
+    const bool begun = !from || until > from->as_number() + 1e-9;
+    const bool cut = options_.frames >= 0 && static_cast<long>(record_.steps.size()) < scene_.at("time").integer("steps");
+    const bool ended = !cut || !when || when->as_text() != "end" || (to && until > to->as_number() - 1e-9);
+    if (end.status == Exit::done && ((!begun && !std::isfinite(all[i].value)) || !ended))
+      note(fmt::format("check not reached: {}; the run ended at {:.6g} s", all[i].text, until));
+    else
+      out.push_back(std::move(all[i]));
+  }
+  return out;
+}
+
 void Results::finish(End& end, const std::function<void(const std::string&)>& note, const std::function<void(const std::string&)>& tell) {
-  const std::vector<audit::Checks::Verdict> verdicts = checks_.verdicts(end.status, end.message);
+  const std::vector<audit::Checks::Verdict> verdicts = this->verdicts(end, note);
   const auto failed = std::count_if(verdicts.begin(), verdicts.end(), [](const audit::Checks::Verdict& v) { return !v.pass; });
   if (end.status == Exit::done && failed > 0) end.status = Exit::checks, end.message = fmt::format("{} of {} checks failed", failed, verdicts.size());
   const std::string name = scene_.text("name");
@@ -138,6 +158,8 @@ void Results::finish(End& end, const std::function<void(const std::string&)>& no
     if (!v.pass) tell(fmt::format("check failed: {}; it is {}", v.text, v.found.empty() ? fmt::format("{:.6g}", v.value) : v.found));
   if (file_ && file_->can_flush()) file_->flush();
   if (end.status == Exit::done && certificate_.nothing_touched()) note("warning: nothing touched at any time, so that contact had nothing to do");
+  if (whole_ && (end.status == Exit::done || end.status == Exit::checks))
+    for (const std::string& warning : sensor_reach_.warnings(sensors_)) note("warning: " + warning);
   record_.frames = frames();
   record_.write(folder_.file("run.json"), {options_, name, hash_, end.status, end.message, end.wall}, end.engine);
 }

@@ -19,6 +19,7 @@
 #include "run/progress.h"
 #include "run/record.h"
 #include "run/sensor_maps.h"
+#include "run/sensor_reach.h"
 #include "sensors/sensors.h"
 
 namespace mortise::run {
@@ -69,6 +70,7 @@ class Results {
   void frame(const State& now);
   void line(const State& now);
   void audit(const audit::EnergyAudit::Result& energy);
+  std::vector<audit::Checks::Verdict> verdicts(const End& end, const std::function<void(const std::string&)>& note) const;
 
   const Options& options_;
   const Params& scene_;
@@ -83,6 +85,8 @@ class Results {
   audit::Checks checks_;
   std::unique_ptr<Pictures> pictures_;
   std::optional<SensorMaps> sensor_maps_;
+  SensorReach sensor_reach_;
+  bool whole_ = true;  // no part of it was run by another process
   long picture_every_ = 1;
   audit::ContactFigures contact_;
 };

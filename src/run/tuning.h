@@ -18,7 +18,12 @@ inline constexpr double kLightest = 10, kHeaviest = 3e4;          // density [kg
 inline constexpr double kLongestStep = 0.5;                       // [s]
 inline constexpr double kMillimetres = 9810, kNearlyThat = 5e-4;  // free fall on the Earth in mm/s^2, to some places
 inline constexpr double kLargestMesh = 10;                        // of a file [m]
+inline constexpr double kRoughest = 10;                           // coefficient of friction
+inline constexpr double kStiffestLayer = 1e15;                    // of contact [Pa]
+inline constexpr double kMostMass = 1e6;                          // of a body [kg]
+inline constexpr double kFarthest = 1000;                         // of a body from the origin [m]
 inline constexpr double kLeastCovered = 0.1;                      // of a sensor's grid: what is so large was meant in millimetres
+inline constexpr double kLeastFelt = 0.1;                         // by a sensor, of the largest force on its body (sensor_reach.h)
 inline constexpr double kCoarsest = 10;                           // edge_length over the size of a body
 inline constexpr double kThickest = 0.1;                          // d_hat over the size of a body
 inline constexpr double kNearlyAll = 0.8;  // of the memory there is: other programs want some, and the estimate is one (memory.cpp)

@@ -16,6 +16,7 @@
 #include "model/bonded.h"
 #include "run/idle_joints.h"
 #include "run/tuning.h"
+#include "run/unit_warnings.h"
 #include "scene/edge_lengths.h"
 #include "scene/pass_through.h"
 #include "sensors/sensors.h"
@@ -191,6 +192,7 @@ std::vector<std::string> warnings(const model::ModelInput& input) {
   of_rotations(input, out);
   of_units(input, out);
   of_joint_limits(input.scene, out);
+  for (std::string& unit : unit_warnings(input)) out.push_back(std::move(unit));
   for (std::string& idle : idle_joints(input)) out.push_back(std::move(idle));
   for (std::string& risk : audit::locking_risks(input)) out.push_back(std::move(risk));
   for (const scene::PassThrough& p : scene::pass_through(input.scene, engine::effect_tables()))

@@ -100,7 +100,10 @@ const ParamTable& outcome_table() {
 class Checks {
  public:
   Checks(const Params& root, std::span<const EffectTable> tables, const std::set<std::string>& incomplete, Diagnostics& errors)
-      : errors_(errors), tables_(tables), incomplete_(incomplete), bodies_(root.find("bodies")), effects_(root.find("effects")) {}
+      : errors_(errors), tables_(tables), incomplete_(incomplete), bodies_(root.find("bodies")), effects_(root.find("effects")) {
+    const Params* time = incomplete.count("time") ? nullptr : root.find("time");
+    if (time && time->has("mode") && (time->text("mode") == "static" || (time->has("step") && time->has("steps")))) end_ = end_time(root);
+  }
 
   void check(const Params& c, const std::string& path) {
     const Params* name = c.find("quantity");
@@ -115,6 +118,8 @@ class Checks {
     if (body && bodies) errors_.add(bodies->where(), path + " has body and bodies; write one of them");
     if (q->body && !body && !bodies && !incomplete_.count(path)) errors_.add(c.where(), path + " names no body", "give it body or bodies");
     if (from && until && !(from->as_number() < until->as_number())) errors_.add(until->where(), path + ".until must be later than its from");
+    if (from && !(from->as_number() < end_ * (1 - 1e-9)))
+      errors_.add(from->where(), path + ".from: the scene ends at " + format_number(end_) + " s, and nothing is measured after that");
     needs(*q, *name, path);
     if (q->name == std::string("energy_gain")) without({"pressure_load"}, *name, path, "which does work that is not counted");
     if (q->name == std::string("momentum_drift")) without({"gravity", "pin", "pressure_load"}, *name, path, "which changes momentum");
@@ -170,6 +175,7 @@ class Checks {
   std::span<const EffectTable> tables_;
   const std::set<std::string>& incomplete_;
   const Params *bodies_, *effects_;
+  double end_ = std::numeric_limits<double>::infinity();  // of the scene [s], where it is known
 };
 
 }  // namespace

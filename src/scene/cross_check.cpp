@@ -6,6 +6,7 @@
 #include "scene/checker.h"
 #include "scene/checks.h"
 #include "scene/edge_lengths.h"
+#include "scene/field_units.h"
 #include "scene/pass_through.h"
 #include "scene/quantities.h"
 #include "scene/quantity.h"
@@ -123,7 +124,8 @@ class CrossCheck {
       const Params* where = pin.find("where");
       const Params* side = where ? where->find("side") : nullptr;
       const Params* axes = pin.find("axes");
-      return name && name->as_text() == body && side && side->as_text() == "all" && (!axes || axes->as_text().size() == 3);
+      const bool meant = name && bodies_ && !bodies_->has(name->as_text());  // told by itself; it may be this one
+      return name && (meant || name->as_text() == body) && side && side->as_text() == "all" && (!axes || axes->as_text().size() == 3);
     });
   }
 
@@ -226,7 +228,11 @@ class CrossCheck {
     for (const EffectTable& table : tables_) {
       const Params* list = table.ties ? effects_->find(table.name) : nullptr;
       if (!list || list->kind() != Params::Kind::list) continue;
+      std::map<std::string, SourceLoc> names;
       for (const Params& tie : list->items()) {
+        if (const Params* own = tie.find("name"))
+          if (const auto [at, fresh] = names.emplace(own->as_text(), own->where()); !fresh)
+            errors_.add(own->where(), "two entries of " + table.name + " are called '" + own->as_text() + "'", "", {{at->second, "the first one"}});
         const Params *name = tie.find("name"), *body = tie.find("body"), *to = tie.find("to"), *contact = tie.find("contact");
         if (name && !is_name(name->as_text()))
           errors_.add(name->where(), "'" + name->as_text() + "' is not a name; names are made of a-z, 0-9, _ and -");
@@ -245,6 +251,22 @@ class CrossCheck {
     const Params* outputs = camera.find("outputs");
     if (!outputs) return kind == "color";
     return std::any_of(outputs->items().begin(), outputs->items().end(), [&](const Params& o) { return o.as_text() == kind; });
+  }
+
+  // A scale of colours is in a unit of what it shows.
+  void colour_scale(const Params& camera, const std::string& path) {
+    const Params *by = camera.find("colour_by"), *unit = camera.find("unit");
+    if (!by && !incomplete_.count(path))
+      for (const char* key : {"unit", "range"})
+        if (const Params* useless = camera.find(key))
+          errors_.add(useless->where(), path + "." + key + " is of no use: the camera colours by no field", "colour_by: contact_pressure");
+    if (!by || !unit) return;
+    if (const std::string wrong = wrong_unit(by->as_text(), unit->as_text()); !wrong.empty()) {
+      const std::vector<std::string> known = units_of_field(by->as_text());
+      const std::string near = nearest(unit->as_text(), known);
+      errors_.add(unit->where(), path + ".unit " + wrong,
+                  near.empty() ? "units of " + by->as_text() + ": " + join(known, ", ") : "did you mean '" + near + "'?");
+    }
   }
 
   void cameras() {
@@ -287,8 +309,7 @@ class CrossCheck {
                       "fields of points here: " + join(known, ", "));
       }
       if (const Params* by = camera.find("colour_by")) is_field(*by, path + ".colour_by", fields(false));
-      if (const Params* unit = camera.find("unit"); unit && !parse_quantity("1 " + unit->as_text(), Unit::any).error.empty())
-        errors_.add(unit->where(), path + ".unit is '" + unit->as_text() + "', which is no unit", suggestion(unit->as_text(), suffixes(Unit::any)));
+      colour_scale(camera, path);
       if (range && (range->items().size() != 2 || !(range->items()[0].as_number() < range->items()[1].as_number())))
         errors_.add(range->where(), path + ".range must be two increasing numbers");
     }

@@ -22,6 +22,8 @@ const ParamTable& table_of(const ParamTable& base, const Node& node) {
   return base;
 }
 
+bool is_word(const std::string& part) { return !part.empty() && part.find_first_not_of("-+.0123456789") != std::string::npos; }
+
 std::vector<std::string> keys(const Node& n) {
   std::vector<std::string> out;
   for (const auto& [key, value] : n.entries) out.push_back(key);
@@ -42,6 +44,13 @@ class Override {
     }
     node.at = node.key_at = at_;
     parts_ = path_parts(path);
+    if (node.kind == Node::Kind::null) {
+      if (value.find_first_not_of(' ') == std::string::npos)
+        errors_.add(at_, "no value stands behind the '='", "PATH=null removes what the scene has there");
+      else
+        remove(root);
+      return;
+    }
     if (Node* place = find(root, table)) {
       if (place->at.line > 0 || place->at.file != at_.file) errors_.replaces(at_.file, place->at);
       *place = std::move(node);
@@ -49,6 +58,29 @@ class Override {
   }
 
  private:
+  // Out of the scene as written: what has a default has that again.
+  void remove(Node& root) {
+    Node* node = &root;
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      const std::string& part = parts_[i];
+      const bool last = i + 1 == parts_.size();
+      if (node->kind == Node::Kind::list) {
+        const bool number = !part.empty() && part.size() < 7 && part.find_first_not_of("0123456789") == std::string::npos;
+        if (const std::size_t k = number ? std::stoul(part) : node->items.size(); k < node->items.size()) {
+          if (last) node->items.erase(node->items.begin() + static_cast<std::ptrdiff_t>(k));
+          if (!last) node = &node->items[k];
+          continue;
+        }
+      } else if (Node* found = node->find(part)) {
+        if (last) std::erase_if(node->entries, [&](const auto& entry) { return entry.first == part; });
+        if (!last) node = found;
+        continue;
+      }
+      errors_.add(at_, "the scene has no '" + part + "' there, which could be removed", suggestion(part, keys(*node)));
+      return;
+    }
+  }
+
   // The value that the path names, made if need be; null after an error.
   Node* find(Node& root, const ParamTable& root_table) {
     Node* node = &root;
@@ -122,7 +154,7 @@ class Override {
     if (part.empty() || part.size() > 6 || part.find_first_not_of("0123456789") != std::string::npos) {
       const bool blocks = what.kind == Kind::tables;
       errors_.add(at_, path + " is a list; its entries are named 0" + (n > 1 ? " to " + std::to_string(n - 1) : ""),
-                  "write " + path + ".0" + (blocks ? "." + part : ""));
+                  "write " + path + ".0" + (blocks && is_word(part) ? "." + part : ""));
       return nullptr;
     }
     const std::size_t i = std::stoul(part);

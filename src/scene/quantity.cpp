@@ -1,5 +1,6 @@
 #include "scene/quantity.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <numbers>
@@ -59,8 +60,31 @@ constexpr Suffix kSuffixes[] = {
     {Unit::energy, "mJ", -3, 1},
     {Unit::energy, "uJ", -6, 1},
     {Unit::energy, "kJ", 3, 1},
-    {Unit::energy, "N m", 0, 1},  // a torque
+    {Unit::energy, "N m", 0, 1},
     {Unit::energy, "N mm", -3, 1},
+    {Unit::torque, "N m", 0, 1},
+    {Unit::torque, "N mm", -3, 1},
+    {Unit::torque, "mN m", -3, 1},
+    {Unit::torque, "kN m", 3, 1},
+    {Unit::torque, "Nm", 0, 1},
+    {Unit::torque, "Nmm", -3, 1},
+    {Unit::torque, "mNm", -3, 1},
+    {Unit::torque, "J", 0, 1},
+    {Unit::torque, "mJ", -3, 1},
+    {Unit::stiffness, "N/m", 0, 1},
+    {Unit::stiffness, "N/mm", 3, 1},
+    {Unit::angular_stiffness, "N m/rad", 0, 1},
+    {Unit::angular_stiffness, "Nm/rad", 0, 1},
+    {Unit::angular_stiffness, "N m/deg", 0, 1 / kDegree},
+    {Unit::damping, "N s/m", 0, 1},
+    {Unit::damping, "Ns/m", 0, 1},
+    {Unit::angular_damping, "N m s/rad", 0, 1},
+    {Unit::angular_damping, "Nms/rad", 0, 1},
+    {Unit::rotary_inertia, "kg m^2", 0, 1},
+    {Unit::rotary_inertia, "g cm^2", -7, 1},
+    {Unit::frequency, "Hz", 0, 1},
+    {Unit::frequency, "1/s", 0, 1},
+    {Unit::frequency, "kHz", 3, 1},
 };
 
 Quantity wrong(std::string error, std::string hint = "") { return {0, std::move(error), std::move(hint)}; }
@@ -92,7 +116,21 @@ const char* dimension(Unit unit) {
     case Unit::density:
       return "density";
     case Unit::energy:
-      return "energy or torque";
+      return "energy";
+    case Unit::torque:
+      return "torque";
+    case Unit::stiffness:
+      return "stiffness";
+    case Unit::angular_stiffness:
+      return "stiffness of a hinge";
+    case Unit::damping:
+      return "damping";
+    case Unit::angular_damping:
+      return "damping of a hinge";
+    case Unit::rotary_inertia:
+      return "moment of inertia";
+    case Unit::frequency:
+      return "frequency";
     case Unit::any:
       return "quantity";
   }
@@ -108,7 +146,7 @@ const char* si_symbol(Unit unit) {
 std::vector<std::string> suffixes(Unit unit) {
   std::vector<std::string> out;
   for (const Suffix& s : kSuffixes)
-    if (s.unit == unit || unit == Unit::any) out.push_back(s.text);
+    if ((s.unit == unit || unit == Unit::any) && std::find(out.begin(), out.end(), s.text) == out.end()) out.push_back(s.text);
   return out;
 }
 

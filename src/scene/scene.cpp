@@ -12,6 +12,7 @@
 #include "scene/robot.h"
 #include "scene/tables.h"
 #include "scene/trajectory.h"
+#include "scene/written_units.h"
 #include "scene/yaml.h"
 
 namespace mortise::scene {
@@ -41,9 +42,20 @@ std::string syntax_hint(const std::string& text, const SyntaxError& e) {
   return "";
 }
 
+// Files of studies and sweeps look like scenes, and lie beside them.
+void check_kind(const Node& root, Diagnostics& errors) {
+  if (root.find("mortise")) return;
+  for (const char* kind : {"study", "sweep"})
+    if (root.find(std::string("mortise_") + kind))
+      errors.add(root.at, std::string("this is the file of a ") + kind + ", not a scene",
+                 std::string("'mortise ") + kind + " " + root.at.file + "' runs it");
+}
+
 // Another version of the format has other keys: nothing else in the file can be judged.
 void check_version(const Node& root, Diagnostics& errors) {
   const Node* version = root.find("mortise");
+  check_kind(root, errors);
+  if (!errors.empty()) return;
   if (!version) {
     errors.add(root.at, "the scene does not say its format version", "add the line 'mortise: " + std::to_string(kFormatVersion) + "'");
   } else if (version->kind != Node::Kind::scalar || version->quoted || version->text != std::to_string(kFormatVersion)) {
@@ -88,6 +100,7 @@ Scene read(const std::string& text, const std::string& path, const std::vector<s
   }
   Checker checker(errors, folder);
   scene.root = checker.table(tables.root(), root, "");
+  check_written_units(root, scene.root, errors);
   expand_trajectories(scene.root, errors);
   cross_check(scene.root, effects, checker.incomplete(), errors);
   check_environments(root, scene.root, tables.root(), checker.incomplete(), errors);

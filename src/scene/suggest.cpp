@@ -1,6 +1,7 @@
 #include "scene/suggest.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace mortise::scene {
 
@@ -22,6 +23,12 @@ int edit_distance(const std::string& a, const std::string& b) {
   return d[a.size()][b.size()];
 }
 
+// Words of other programs.
+constexpr std::pair<const char*, const char*> kOtherWords[] = {
+    {"gravitation", "gravity"}, {"rigid", "stiff"},       {"deformable", "soft"},        {"elastic", "soft"},
+    {"plane", "half_space"},    {"ground", "half_space"}, {"loc", "position"},           {"origin", "position"},
+    {"rpy", "rotation"},        {"dt", "step"},           {"contact", "barrier_contact"}};
+
 std::string nearest(const std::string& typed, const std::vector<std::string>& candidates) {
   if (typed.size() > 100) return "";
   const int allowed = std::max(2, static_cast<int>(typed.size()) / 3);
@@ -32,7 +39,12 @@ std::string nearest(const std::string& typed, const std::vector<std::string>& ca
     // Replacing every letter of a short word is no typing error.
     if (d < least && d < static_cast<int>(std::min(typed.size(), c.size()))) least = d, best = c;
   }
-  return best;
+  if (!best.empty()) return best;
+  for (const auto& [other, ours] : kOtherWords)
+    if (typed == other && std::find(candidates.begin(), candidates.end(), ours) != candidates.end()) return ours;
+  // "pos", "vel": the beginning of one alone.
+  const auto begins = [&](const std::string& c) { return typed.size() >= 3 && c.starts_with(typed); };
+  return std::count_if(candidates.begin(), candidates.end(), begins) == 1 ? *std::find_if(candidates.begin(), candidates.end(), begins) : "";
 }
 
 std::string suggestion(const std::string& typed, const std::vector<std::string>& candidates) {

@@ -313,9 +313,12 @@ const ParamTable& camera_table() {
                    "Name of a body that the camera moves with, as rigidly as that does; position, look_at and up are those of the start.")),
        optional(of(Kind::names, "hide", Unit::none, {}, "Names of bodies that this camera does not see.")),
        range(optional(of(Kind::vec3, "background", Unit::none, {}, "Background colour of this camera; absent takes that of `render`.")), 0, 1),
+       optional(of(Kind::flag, "annotate", Unit::none, {},
+                   "false: no time, colour bar and length of arrows on color pictures, as for data sets; absent: with them.")),
        optional(of(Kind::text, "colour_by", Unit::none, {}, "Field that colours the bodies.")),
        optional(of(Kind::numbers, "range", Unit::any, {}, "Values at the two ends of the colour scale; absent takes the run's extremes.")),
-       optional(of(Kind::text, "unit", Unit::none, {}, "Unit of the numbers at the colour scale."))}};
+       optional(of(Kind::text, "unit", Unit::none, {},
+                   "Unit of the numbers at the colour scale, one of what the field measures; absent takes that of SI."))}};
   return t;
 }
 const ParamTable& render_table() {

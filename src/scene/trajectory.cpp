@@ -44,7 +44,10 @@ double factor_of(const Column& c, const Params& file, const char* key, Unit unit
   if (!c.unit.empty() && said && c.unit != file.text(key))
     throw trajectory_error(file.at(key), std::string(key) + " is " + file.text(key) + ", but " + c.at + " says " + c.unit);
   const std::string text = !c.unit.empty() ? c.unit : said ? file.text(key) : "";
-  if (text.empty()) throw trajectory_error(file, c.at + " has no unit: give it an attribute 'unit', or the file's block a '" + key + "'");
+  if (text.empty())
+    throw trajectory_error(
+        file, c.at + " has no unit: " + (is_hdf5(file.text("path")) ? "give it an attribute 'unit'" : "write it into the column's name, 'x [mm]'") +
+                  ", or give the file's block a '" + key + "'");
   const Quantity one = parse_quantity("1 " + text, unit);
   if (one.error.empty()) return one.value;
   std::string known;

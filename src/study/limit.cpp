@@ -14,7 +14,8 @@ namespace {
 // `dimension`: what it measures.
 double read_number(const std::string& text, Unit& dimension) {
   for (Unit unit : {Unit::none, Unit::length, Unit::time, Unit::mass, Unit::pressure, Unit::force, Unit::angle, Unit::velocity,
-                    Unit::angular_velocity, Unit::acceleration, Unit::density, Unit::energy}) {
+                    Unit::angular_velocity, Unit::acceleration, Unit::density, Unit::energy, Unit::torque, Unit::stiffness, Unit::angular_stiffness,
+                    Unit::damping, Unit::angular_damping, Unit::rotary_inertia, Unit::frequency}) {
     const scene::Quantity q = scene::parse_quantity(text, unit);
     if (!q.error.empty()) continue;
     dimension = unit;
@@ -85,6 +86,8 @@ std::string not_a_ladder(const std::vector<std::string>& settings) {
   const std::vector<double> v = numbers(settings, unit);
   if (v.size() < 2) return "";
   if (falls(v)) return "";
+  for (std::size_t i = 1; i < v.size(); ++i)
+    if (v[i] == v[i - 1]) return "a value stands in it twice; a ladder goes from coarse to fine";
   if (!falls({v.rbegin(), v.rend()})) return "its values go up and down; a ladder goes from coarse to fine";
   if (unit == Unit::length || unit == Unit::time) return "its values grow; a ladder goes from coarse to fine, the largest length or time first";
   return "";

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "study/limit.h"
 #include "study/tuning.h"
@@ -92,6 +93,19 @@ Plan plan_of(const Study& study) {
       throw Error(Exit::usage, "a benchmark has its own methods: choose among them with --set methods=a,b");
     if (!study.over_resolved.empty()) throw Error(Exit::usage, "a benchmark has its own references: over_resolved is for scenes");
     if (study.one_at_a_time && study.ladders.size() > 1) throw Error(Exit::usage, "a benchmark has combinations only: plan: combinations");
+  }
+  for (const Quantity& q : study.quantities)
+    if (study.benchmark.empty() && q.body.empty() && q.value.find('/') == std::string::npos)
+      throw Error(Exit::usage, q.place,
+                  "quantity '" + q.name + "' names no body: a field of points is asked for as '{value: " + q.value +
+                      ", body: NAME, over: max}', a number as group/name");
+  std::set<std::string> varied;
+  for (const Ladder& ladder : study.ladders) {
+    std::set<std::string> own;
+    for (const Ladder::Step& step : ladder.steps)
+      for (const auto& [path, value] : step.settings) own.insert(path);
+    for (const std::string& path : own)
+      if (!varied.insert(path).second) throw Error(Exit::usage, ladder.at, "'" + path + "' is varied by two ladders");
   }
   Plan plan;
   if (study.one_at_a_time && study.benchmark.empty())

@@ -27,7 +27,10 @@ bool columns(const Node& node, const std::string& what, Diagnostics& errors) {
   bool fine = true;
   for (const auto& [path, values] : node.entries)
     if (values.kind != Node::Kind::list || values.items.empty())
-      errors.add(values.at, what + "." + path + " is " + values.describe() + "; must be a list of values"), fine = false;
+      errors.add(values.at, what + "." + path +
+                                (values.kind == Node::Kind::list ? std::string(" is an empty list")
+                                                                 : " is " + values.describe() + "; must be a list of values")),
+          fine = false;
   return fine;
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <filesystem>
+#include <tuple>
 
 #include "base/read_file.h"
 #include "scene/diagnostics.h"
@@ -78,6 +79,12 @@ Sweep read_sweep(const std::string& path) {
     errors.add({path, 1, 1}, "a sweep is a block of keys (" + scene::join(kKeys, ", ") + ")");
     errors.raise();
   }
+  for (const auto& [mark, what, command] : {std::tuple("mortise", "a scene", "run"), std::tuple("mortise_study", "the file of a study", "study")})
+    if (root.find(mark) && !root.find("mortise_sweep")) {
+      errors.add({path, 1, 1}, std::string("this is ") + what + ", not the file of a sweep",
+                 std::string("'mortise ") + command + " " + path + "' runs it");
+      errors.raise();
+    }
   for (const auto& [key, node] : root.entries)
     if (!key.starts_with("x-") && !std::count(kKeys.begin(), kKeys.end(), key))
       errors.add(node.key_at, "unknown key '" + key + "' in a sweep", scene::suggestion(key, kKeys));

@@ -36,6 +36,48 @@ TEST(Program, HelpHasExamplesOnStdout) {
   EXPECT_THAT(mortise("check -h").out, HasSubstr("--print-resolved"));
 }
 
+// A study's file was told to say its format version, a scene that every key of it is unknown in a sweep.
+TEST(Program, SaysWhichCommandReadsAFile) {
+  const std::string folder = (fs::temp_directory_path() / ("mortise_kinds_" + std::to_string(getpid()))).string();
+  fs::create_directories(folder);
+  std::ofstream(folder + "/study.yaml") << "mortise_study: 1\nscene: a.yaml\n";
+  std::ofstream(folder + "/sweep.yaml") << "mortise_sweep: 1\nscene: a.yaml\n";
+  const auto said = [&](const std::string& arguments) {
+    const Result r = mortise(arguments);
+    EXPECT_EQ(r.code, 3) << arguments;
+    EXPECT_EQ(r.err.find("error:"), r.err.rfind("error:")) << "one mistake, one message: " << r.err;
+    return r.err;
+  };
+  for (const char* command : {"run ", "check "}) {
+    EXPECT_THAT(said(command + folder + "/study.yaml"), HasSubstr("this is the file of a study, not a scene"));
+    EXPECT_THAT(said(command + folder + "/sweep.yaml"), HasSubstr("'mortise sweep " + folder + "/sweep.yaml' runs it"));
+  }
+  EXPECT_THAT(said("sweep " + kScene), HasSubstr("this is a scene, not the file of a sweep"));
+  EXPECT_THAT(said("sweep " + folder + "/study.yaml"), HasSubstr("'mortise study "));
+  fs::remove_all(folder);
+}
+
+TEST(Program, AForgottenValueIsNotTheNextFlag) {
+  const Result r = mortise("study " + kScene + " --sensitivity --dry-run --qoi gravity/energy");
+  EXPECT_EQ(r.code, 2);
+  EXPECT_THAT(r.err, HasSubstr("'--dry-run' is a flag where a value is wanted"));
+  EXPECT_THAT(mortise("check " + kScene + " --set time.steps=2 time.steps=3").err, HasSubstr("every setting needs a --set of its own"));
+}
+
+// "0-5" was frame 0, "2.7" frame 2.
+TEST(Program, FramesAreReadStrictly) {
+  for (const char* bad : {"0-5", "2x", "2.7", "2:4abc", "5:3", "-1", ":", "1:2:3"}) {
+    for (const std::string& command : {std::string("export nowhere -o x.glb"), "render " + kScene + " nowhere.vtkhdf"}) {
+      const Result r = mortise(command + " --frames=" + bad);
+      EXPECT_EQ(r.code, 2) << bad;
+      EXPECT_THAT(r.err, HasSubstr(std::string("--frames is '") + bad + "'")) << bad;
+    }
+  }
+  const Result run = mortise("run " + kScene + " --frames 1e3");
+  EXPECT_EQ(run.code, 2);
+  EXPECT_THAT(run.err, HasSubstr("'1e3' must be a whole number"));
+}
+
 TEST(Program, WithoutArgumentsIsAUsageError) {
   const Result r = mortise("");
   EXPECT_EQ(r.code, 2);

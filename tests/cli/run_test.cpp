@@ -56,6 +56,22 @@ TEST(Run, LeavesFieldsCheckpointAndRunJson) {
   EXPECT_FALSE(fs::exists(out.path + "/frames"));
 }
 
+// It failed with "it is nan", exit 7.
+TEST(Run, ChecksThatFramesDoNotReachDoNotFail) {
+  const Folder out;
+  const std::string checks =
+      " --set 'checks=[{quantity: position, body: block, axis: z, from: 20 ms, below: 1}, {quantity: position, body: block, axis: z, when: end, "
+      "below: -1}]' --no-render -o " +
+      out.path;
+  const Result early = mortise("run " + kScene + checks + " --frames 1");
+  EXPECT_EQ(early.code, 0) << early.err;
+  EXPECT_THAT(early.err, testing::HasSubstr("check not reached: position of block (z), from 0.02 s below 1; the run ended at"));
+  EXPECT_THAT(early.err, testing::HasSubstr("check not reached: position of block (z), end"));
+  const Result late = mortise("check " + kScene + " --set 'checks=[{quantity: position, body: block, axis: z, from: 30 s, below: 1}]'");
+  EXPECT_EQ(late.code, 3);
+  EXPECT_THAT(late.err, testing::HasSubstr("checks.0.from: the scene ends at"));
+}
+
 // A block that stands 6 m above its floor, where 6 mm was meant, said nothing of that.
 TEST(Run, SaysThatNothingTouched) {
   const std::string said = "nothing touched at any time";

@@ -82,10 +82,20 @@ TEST_F(StudyProgram, AFinishedRunIsNeverRunAgain) {
   EXPECT_THAT(complained(), HasSubstr("4/4"));
   EXPECT_THAT(complained(), HasSubstr("(before)"));
   EXPECT_EQ(file("a/points.csv"), first);
-  // Another ladder runs what is new in it.
+  // Another study does not take the place of this one unasked; one that asks for more goes on with its runs.
   std::ofstream(study, std::ios::app) << "  # the same\nrepeat: 1\n";
-  ASSERT_EQ(run({"study", study, "-o", folder_ + "/a", "--set", "time.steps=20"}), 0);
+  EXPECT_EQ(run({"study", study, "-o", folder_ + "/a", "--set", "time.steps=20"}), 2);
+  EXPECT_THAT(complained(), HasSubstr("holds another study"));
+  EXPECT_EQ(file("a/points.csv"), first);
+  ASSERT_EQ(run({"study", study, "-o", folder_ + "/a", "--set", "time.steps=20", "--overwrite"}), 0) << complained();
   EXPECT_THAT(complained(), Not(HasSubstr("before")));
+  const std::string scene = kSource + "/scenes/first/01_free_fall.yaml";
+  const auto ladder = [&](const std::string& steps) {
+    return run({"study", scene, "--vary", "time.step=" + steps, "--qoi", "gravity/energy", "-o", folder_ + "/b"});
+  };
+  ASSERT_EQ(ladder("10 ms,5 ms,2.5 ms"), 0) << complained();
+  EXPECT_EQ(ladder("20 ms,10 ms,5 ms"), 2);
+  EXPECT_EQ(ladder("20 ms,10 ms,5 ms,2.5 ms"), 0) << complained();
 }
 
 // Killed at random, study and runs alike, it ends with the values of a study that nobody killed.
@@ -208,6 +218,7 @@ TEST_F(StudyProgram, TellsWhereAnErrorComesFrom) {
     std::vector<std::string> all{"study",
                                  kSource + "/benchmarks/effectivity/beam.yaml",
                                  "--error-budget",
+                                 "--overwrite",
                                  "--qoi",
                                  "{value: displacement, body: beam, point: [" + where + ", 0, 0], axis: z}",
                                  "-o",

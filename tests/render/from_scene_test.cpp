@@ -29,7 +29,7 @@ render:
   cameras:
     all: {position: [0, -9, 2], look_at: [1, 0, 0], fov: 40 deg}
     map: {position: [0, -9, 2], look_at: [1, 0, 0], model: fisheye, fov: 200 deg, hide: [b, floor], colour_by: contact_pressure,
-          range: [0, 20 kPa], unit: kPa, background: [0, 0, 0]}
+          range: [0, 20 kPa], unit: kPa, annotate: false, background: [0, 0, 0]}
     free: {position: [0, -9, 2], look_at: [1, 0, 0], colour_by: contact_pressure}
     push: {position: [0, -9, 2], look_at: [1, 0, 0], traction: {length: 0.5, longest: 10 kPa}, hide: [b]}
     free_push: {position: [0, -9, 2], look_at: [1, 0, 0], fov: 40 deg, traction: {of: [contact_force]}}
@@ -81,6 +81,8 @@ TEST_F(SceneViewTest, CamerasTakeTheirBlocks) {
   ASSERT_EQ(all.planes.size(), 1u);
   EXPECT_EQ(all.planes[0].normal, Vec3(0, 0, 1));
   EXPECT_FALSE(all.bar);
+  EXPECT_TRUE(all.annotated);
+  EXPECT_FALSE(map.annotated);
   EXPECT_EQ(map.camera.model, Camera::Model::fisheye);
   EXPECT_EQ(map.background_top, Vec3(0, 0, 0));
   EXPECT_EQ(map.meshes.size(), 1u);
@@ -97,6 +99,8 @@ TEST_F(SceneViewTest, ColourBarsSpeakTheirUnit) {
   EXPECT_DOUBLE_EQ(map.bar->high, 20e3);
   EXPECT_DOUBLE_EQ(*std::max_element(map.meshes[0].scalar.begin(), map.meshes[0].scalar.end()), 8e3);
   EXPECT_FALSE(view.job("map", {}, "").bar);  // no such field in this frame
+  EXPECT_EQ(view.job("free", fields, "").bar->unit, "Pa") << "a number without one says nothing";
+  EXPECT_EQ(view.job("free", fields, "").bar->scale, 1);
 }
 
 TEST_F(SceneViewTest, AColourScaleWithoutRangeOnlyGrows) {

@@ -108,6 +108,8 @@ TEST(Ticks, AreRoundAndInside) {
   }
   EXPECT_EQ(ticks(0, 20).front().second, "0");
   EXPECT_EQ(ticks(0, 20).back().second, "20");
+  for (const auto& [value, label] : ticks(-1e-5, 4e-5)) EXPECT_NE(label, "-0");
+  for (const auto& [value, label] : ticks(-1e-7, 1)) EXPECT_NE(label, "-0.0");
 }
 
 TEST(Text, DrawsGlyphsOfTheRightWidth) {

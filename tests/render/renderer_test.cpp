@@ -116,6 +116,15 @@ TEST_F(Drawing, ScalarsTakeTheColoursOfTheBar) {
   }
 }
 
+TEST_F(Drawing, NothingIsWrittenWhereTheCameraSaysSo) {
+  RenderJob job = job_from(5);
+  const Image plain = Renderer().draw(job);
+  job.bar = ColourBar{"pressure", "kPa", 0, 20e3, 1e-3}, job.caption = "t = 1 s";
+  EXPECT_NE(Renderer().draw(job).rgb, plain.rgb);
+  job.annotated = false;
+  EXPECT_EQ(Renderer().draw(job).rgb, plain.rgb);
+}
+
 TEST_F(Drawing, FisheyeIsEquidistant) {
   RenderJob job = job_from(0);
   job.width = job.height = 240;

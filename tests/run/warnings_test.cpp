@@ -47,6 +47,40 @@ TEST(Warnings, TellWhatIsHardlyEverMeant) {
   EXPECT_THAT(warned({"effects.barrier_contact.d_hat=5 mm"}), ElementsAre(HasSubstr("d_hat is 0.005 m, 0.25 times the size of body 'block'")));
 }
 
+TEST(Warnings, TellOfUnitsThatAreMissing) {
+  EXPECT_THAT(warned({"effects.barrier_contact.stiffness=1e16"}),
+              ElementsAre(HasSubstr("effects.barrier_contact.stiffness is 1e+16 Pa; is the unit")));
+  EXPECT_THAT(warned({"effects.friction={follows: barrier_contact, mu: 30}"}), ElementsAre(HasSubstr("effects.friction.mu is 30; is the unit")));
+  EXPECT_THAT(warned({"bodies.block.position=[2000, 0, 6 mm]"}), ElementsAre(HasSubstr("'block' is 2e+03 m from the origin")));
+  const std::string stiff = "bodies.stone={type: stiff, shape: {box: {size: [20 mm, 20 mm, 20 mm], edge_length: 10 mm}}, position: [1, 0, 1], mass: ";
+  EXPECT_THAT(warned({stiff + "1e9}", "effects.affine_body={}"}), ElementsAre(HasSubstr("bodies.stone.mass is 1e+09 kg")));
+  const auto motor = [&](const std::string& joint, const std::string& drive) {
+    return warned({stiff + "1}", "effects.affine_body={}", "effects.joint=[{name: j, body: stone, " + joint + "}]",
+                   "effects.drive=[{joint: j, mode: pd, kp: 1, " + drive + "}]"});
+  };
+  const std::string hinge = "type: revolute, at: [1, 0, 1], axis: [0, 0, 1]", slide = "type: prismatic, axis: [0, 0, 1], travel_limits: [0, 20 mm]";
+  EXPECT_THAT(motor(hinge, "angle: {time: [0, 1], value: [0, 90]}"), ElementsAre(HasSubstr("aims at 90 rad, which is more than a turn")));
+  EXPECT_THAT(motor(hinge, "angle: {time: [0, 1], value: [0, 62.8]}"), IsEmpty()) << "a wheel";
+  EXPECT_THAT(motor(hinge + ", angle_limits: [-1, 1]", "angle: 1.5"), ElementsAre(HasSubstr("aims at 1.5 rad, beyond the limits of the joint")));
+  EXPECT_THAT(motor(slide, "travel: 50"), ElementsAre(HasSubstr("the motor of 'j' aims at 50 m, beyond the limits of the joint, 0 and 0.02")));
+  EXPECT_THAT(motor(slide, "travel: 10 mm"), IsEmpty());
+}
+
+// A layer of a metre around a pad of 16 mm hung the first step.
+TEST(Warnings, LayersThickerThanBodiesAreRefused) {
+  try {
+    warned({"effects.barrier_contact.d_hat=11 mm"});
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_THAT(e.what(), HasSubstr("effects.barrier_contact.d_hat is 0.011 m, more than half of body 'block', which is 0.02 m large"));
+  }
+  EXPECT_THAT(warned({"effects.barrier_contact={d_hat: 6 mm, pairs: [[block, floor]]}",
+                      "bodies.pin={type: stiff, shape: {box: {size: [5 mm, 5 mm, 5 mm], edge_length: 5 mm}}, position: [1, 0, 1], mass: 1}",
+                      "effects.affine_body={}"}),
+              ElementsAre(HasSubstr("0.3 times the size of body 'block'")))
+      << "only what it acts on";
+}
+
 // A block between both slid through 0.29 m instead of 0.11 m, and nobody had said anything.
 TEST(Warnings, TellWhatSlidesFreely) {
   EXPECT_THAT(warned({"effects.friction={follows: barrier_contact, mu: 0.3}"}), IsEmpty());

@@ -239,6 +239,28 @@ TEST(Overrides, ErrorsCiteTheFlagAndTheLineItReplaces) {
   EXPECT_THROW(read(kBase, {"time"}), Error);
 }
 
+TEST(Scene, OneMistakeIsOneError) {
+  EXPECT_THAT(message(kBase + "  gravitation: {}\n"), HasSubstr("unknown effect 'gravitation'"));
+  std::string short_name = kBase;
+  short_name.replace(short_name.find("material: gel"), 13, "material: gel, pos: [0, 0, 1]");
+  EXPECT_THAT(message(short_name), HasSubstr("did you mean 'position'?"));
+  std::string rigid = kBase;
+  rigid.replace(rigid.find("type: soft"), 10, "type: rigid");
+  EXPECT_THAT(message(rigid), HasSubstr("did you mean 'stiff'?"));
+  EXPECT_THAT(message(kBase + "  move: {body: ball, time: [0]}\n", {"effects.move.-1.body=ball"}), testing::EndsWith("write effects.move.0"));
+}
+
+// It left friction in the scene, with its defaults.
+TEST(Overrides, NullRemoves) {
+  const std::string text = kBase + "  load: {mu: 2}\n  move: {body: ball, time: [0, 1], translation: [[0, 0, 0], [0, 0, 1]]}\n";
+  EXPECT_FALSE(read(text, {"effects.load=null"}).at("effects").has("load"));
+  EXPECT_EQ(read(text, {"effects.load.mu=null"}).at("effects").at("load").number("mu"), 0.5) << "its default";
+  EXPECT_FALSE(read(kBase + "  load: {side: {slave: ball}}\n", {"effects.load.side=~"}).at("effects").at("load").has("side"));
+  EXPECT_THAT(message(text, {"effects.load="}), HasSubstr("no value stands behind the '='"));
+  EXPECT_THAT(message(text, {"effects.lode=null"}), HasSubstr("the scene has no 'lode' there"));
+  EXPECT_THAT(message(text, {"bodies.ball.shape=null"}), HasSubstr("bodies.ball has no 'shape'"));
+}
+
 TEST(Overrides, AddBodiesAndMaterialsWhole) {
   const Params s = read(kBase, {"materials.tin={density: 7}", "bodies.second={type: half_space, point: [0, 0, -1]}", "bodies.second.point.0=4"});
   EXPECT_EQ(s.at("materials").at("tin").number("density"), 7);
@@ -255,6 +277,10 @@ TEST(Quantity, PowersOfTenAreExact) {
   EXPECT_DOUBLE_EQ(parse_quantity("180 deg", Unit::angle).value, std::numbers::pi);
   EXPECT_DOUBLE_EQ(parse_quantity("60 rpm", Unit::angular_velocity).value, 2 * std::numbers::pi);
   EXPECT_EQ(parse_quantity("20 kPa", Unit::any).value, 2e4);
+  EXPECT_EQ(parse_quantity("1.5 Nm", Unit::torque).value, 1.5);
+  EXPECT_EQ(parse_quantity("20 mN m", Unit::torque).value, 0.02);
+  EXPECT_EQ(parse_quantity("4 N/mm", Unit::any).value, 4000);
+  EXPECT_EQ(parse_quantity("5 Hz", Unit::frequency).value, 5);
 }
 
 TEST(Quantity, RefusesWhatIsNoFiniteNumberOfTheUnit) {

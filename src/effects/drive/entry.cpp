@@ -12,7 +12,7 @@ using param::of;
 using param::optional;
 
 const ParamTable kDrive = [] {
-  const auto si = [](const char* key, std::string help) { return optional(of(Param::Kind::number, key, Unit::none, std::nullopt, std::move(help))); };
+  const auto si = [](const char* key, std::string help) { return optional(of(Param::Kind::number, key, Unit::any, std::nullopt, std::move(help))); };
   const auto least = [](Param p) { return param::range(std::move(p), 0, INFINITY); };
   ParamTable t{
       "effect drive",

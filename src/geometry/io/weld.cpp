@@ -41,8 +41,7 @@ std::vector<Index> near_position(const std::vector<Vec3>& points, double toleran
     const Vec3& p = points[i];
     if (!p.allFinite()) continue;
     const Vec3 c = p / tolerance;
-    if (c.cwiseAbs().maxCoeff() > 9e15)
-      throw Error(Exit::scene, "weld tolerance " + std::to_string(tolerance) + " m is too small for coordinates of this size");
+    if (c.cwiseAbs().maxCoeff() > 9e15) throw Error(Exit::scene, "'weld' is too small for coordinates of this size");
     std::array<std::int64_t, 3> cell;
     for (int a = 0; a < 3; ++a) cell[a] = static_cast<std::int64_t>(std::floor(c[a]));
     Index kept = -1;
