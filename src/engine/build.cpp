@@ -2,6 +2,7 @@
 #include "engine/build.h"
 
 #include "base/added_fields.h"
+#include "base/complaints.h"
 #include "effects/commanded.h"
 #include "effects/contact/start_check.h"
 #include "effects/list.h"
@@ -129,12 +130,17 @@ class Build : public Engine {
   std::string linear_solver() const override { return simulation_.newton().linear_solver() + " (" + simulation_.newton().linear_reason() + ")"; }
 
  private:
-  // Only what the scene names, in the order of the list.
+  // Only what the scene names, in the order of the list. Motors and followers build on others: where one of these is wrong, they are not judged.
   solver::EffectList make_effects() {
     solver::EffectList out;
+    Complaints wrong;
     const Params& wanted = model_.input.scene.at("effects");
-    for (const effects::Kind& kind : effects::list())
-      if (const Params* block = wanted.find(kind.name)) out.push_back(kind.make(*block, model_));
+    for (const effects::Kind& kind : effects::list()) {
+      const bool builds_on_others = kind.role == effects::Role::motor || kind.role == effects::Role::follower;
+      if (const Params* block = wanted.find(kind.name); block && (wrong.empty() || !builds_on_others))
+        wrong.gather([&] { out.push_back(kind.make(*block, model_)); });
+    }
+    wrong.raise();
     return out;
   }
 

@@ -5,6 +5,7 @@
 #include <set>
 #include <sstream>
 
+#include "base/complaints.h"
 #include "effects/roles.h"
 #include "geometry/bounds.h"
 #include "geometry/placement.h"
@@ -138,14 +139,17 @@ void keep_meshes(const Params& scene) {
 model::ModelInput make_input(const Params& scene) {
   model::ModelInput input;
   input.scene = scene;
-  for (const auto& [name, body] : scene.at("bodies").entries()) {
-    try {
-      input.bodies.push_back(make_body(scene, name, body));
-    } catch (const Error& e) {
-      if (e.located()) throw;
-      throw Error(e.code(), body.where(), "body '" + name + "': " + e.what());
-    }
-  }
+  Complaints wrong;
+  for (const auto& [name, body] : scene.at("bodies").entries())
+    wrong.gather([&] {
+      try {
+        input.bodies.push_back(make_body(scene, name, body));
+      } catch (const Error& e) {
+        if (e.located()) throw;
+        throw Error(e.code(), body.where(), "body '" + name + "': " + e.what());
+      }
+    });
+  wrong.raise();
   check_layers(input);
   return input;
 }

@@ -1,5 +1,8 @@
 #include "run/check_start.h"
 
+#include <optional>
+
+#include "base/complaints.h"
 #include "engine/api.h"
 #include "engine/input.h"
 #include "render/from_scene.h"
@@ -24,10 +27,14 @@ struct Start {
 
 Start start_of(const model::ModelInput& input) {
   Start out;
-  must_succeed(engine::cpu_api().create(input, out.engine));
+  Complaints wrong;
+  std::optional<sensors::Sensors> sensors;
+  wrong.gather([&] { must_succeed(engine::cpu_api().create(input, out.engine)); });
+  wrong.gather([&] { sensors.emplace(input); });
+  wrong.raise();
   out.points = out.engine->points();
   out.engine->report(out.said);
-  sensors::Sensors(input).read(out.said, out.points);
+  sensors->read(out.said, out.points);
   return out;
 }
 
@@ -35,8 +42,10 @@ Start start_of(const model::ModelInput& input) {
 
 std::unique_ptr<engine::Engine> check_start(const Params& scene, const model::ModelInput& input, const std::vector<Params>& resets) {
   auto [engine, points, start] = start_of(input);
-  ResetWatch(resets, input).check(scene, start);
-  check_quantities(input, start);
+  Complaints wrong;
+  wrong.gather([&] { ResetWatch(resets, input).check(scene, start); });
+  wrong.gather([&] { check_quantities(input, start); });
+  wrong.raise();
   if (scene.has("render") && scene.at("output").flag("pictures")) {
     render::SceneView view(scene, input.bodies);
     view.move(points);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "audit/entries.h"
+#include "base/complaints.h"
 #include "base/error.h"
 #include "effects/roles.h"
 #include "effects/tie_name.h"
@@ -81,28 +82,33 @@ void check_place(const Params& q, const std::string& what, const std::vector<mod
   }
 }
 
+// `what`: its path.
+void check_quantity(const Params& q, const std::string& what, const model::ModelInput& input, const Snapshot& start) {
+  const Params& scene = input.scene;
+  const double ends = scene::end_time(scene);
+  const std::string& value = q.text("value");
+  if (q.has("point") && q.has("body")) check_place(q, what, input.bodies);
+  if (const long every = scene.at("time").integer("frame_every"); q.text("when") == "sum" && group_of(value) != "steps" && every > 1)
+    throw Error(Exit::scene, q.at("when").where(),
+                fmt::format("{}: a sum is of all steps, and only one in {} has a frame; 'time.frame_every: 1' gives each one", what, every));
+  if (q.has("at") && q.number("at") > ends * (1 + tuning::kRounding))
+    throw Error(Exit::scene, q.at("at").where(), fmt::format("{}: {:g} s is after the end, at {:g} s", what, q.number("at"), ends));
+  if (q.text("when") == "sum" && leaf_of(value) == "dissipation")
+    throw Error(Exit::scene, q.at("when").where(), fmt::format("{}: '{}' is the sum since the start already; 'when: end' gives it", what, value));
+  if (value.find('/') == std::string::npos || group_of(value) == "steps") return;
+  if (start.row.count(value) && !start.has(value + "_x"))
+    throw Error(Exit::scene, q.where(), what + ": '" + value + "' is a table, of which a run has one per frame; a quantity is a scalar");
+  if (!may_report(value, scene, start) && !may_report(value + "_x", scene, start)) not_reported(q.where(), what, value, start);
+}
+
 }  // namespace
 
 void check_quantities(const model::ModelInput& input, const Snapshot& start) {
-  const Params& scene = input.scene;
-  const Params* list = scene.find("quantities");
-  const double ends = scene::end_time(scene);
-  for (std::size_t i = 0; list && i < list->items().size(); ++i) {
-    const Params& q = list->items()[i];
-    const std::string &value = q.text("value"), what = "quantities." + std::to_string(i);
-    if (q.has("point") && q.has("body")) check_place(q, what, input.bodies);
-    if (const long every = scene.at("time").integer("frame_every"); q.text("when") == "sum" && group_of(value) != "steps" && every > 1)
-      throw Error(Exit::scene, q.at("when").where(),
-                  fmt::format("{}: a sum is of all steps, and only one in {} has a frame; 'time.frame_every: 1' gives each one", what, every));
-    if (q.has("at") && q.number("at") > ends * (1 + tuning::kRounding))
-      throw Error(Exit::scene, q.at("at").where(), fmt::format("{}: {:g} s is after the end, at {:g} s", what, q.number("at"), ends));
-    if (q.text("when") == "sum" && leaf_of(value) == "dissipation")
-      throw Error(Exit::scene, q.at("when").where(), fmt::format("{}: '{}' is the sum since the start already; 'when: end' gives it", what, value));
-    if (value.find('/') == std::string::npos || group_of(value) == "steps") continue;
-    if (start.row.count(value) && !start.has(value + "_x"))
-      throw Error(Exit::scene, q.where(), what + ": '" + value + "' is a table, of which a run has one per frame; a quantity is a scalar");
-    if (!may_report(value, scene, start) && !may_report(value + "_x", scene, start)) not_reported(q.where(), what, value, start);
-  }
+  Complaints wrong;
+  const Params* list = input.scene.find("quantities");
+  for (std::size_t i = 0; list && i < list->items().size(); ++i)
+    wrong.gather([&] { check_quantity(list->items()[i], "quantities." + std::to_string(i), input, start); });
+  wrong.raise();
 }
 
 }  // namespace mortise::run

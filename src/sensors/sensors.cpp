@@ -1,17 +1,21 @@
 #include "sensors/sensors.h"
 
+#include "base/complaints.h"
+
 namespace mortise::sensors {
 
 Sensors::Sensors(const model::ModelInput& input) {
   const Params* wanted = input.scene.find("sensors");
   if (!wanted) return;
+  Complaints wrong;
   for (const auto& [name, p] : wanted->entries()) {
     Index first = 0;
     for (const model::BodyInput& body : input.bodies) {
-      if (body.name == p.text("body")) sensors_.emplace_back(name, p, input, body, first);
+      if (body.name == p.text("body")) wrong.gather([&] { sensors_.emplace_back(name, p, input, body, first); });
       first += static_cast<Index>(body.nodes.size());
     }
   }
+  wrong.raise();
 }
 
 std::vector<Reading> Sensors::read(Snapshot& state, const std::vector<double>& points) const {

@@ -1,3 +1,4 @@
+#include "base/complaints.h"
 #include "effects/tie.h"
 #include "effects/where.h"
 #include "model/bonded.h"
@@ -19,7 +20,7 @@ const ParamTable kTable = tie_table("bond", "Nodes of soft bodies that move with
 // q_n = p + A X: every node follows the material point of the stiff body that is where it is at rest.
 std::vector<model::Tie> ties(const Params& list, const model::Model& model) {
   std::vector<model::Tie> out;
-  for (const Params& p : list.items())
+  on_each(list.items(), [&](const Params& p) {
     for (const auto& [body, to] : tied_bodies(model, p)) {
       const model::Body& soft = model.bodies[body];
       if (soft.type != model::BodyType::soft)
@@ -37,6 +38,7 @@ std::vector<model::Tie> ties(const Params& list, const model::Model& model) {
       tie.anchor = material_point(model, to, mean / static_cast<double>(tie.follows.size()));
       out.push_back(std::move(tie));
     }
+  });
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <utility>
 
+#include "base/complaints.h"
 #include "effects/commanded.h"
 #include "effects/coordinate_energy.h"
 #include "effects/drive/entry.h"
@@ -37,7 +38,8 @@ class Drive final : public Effect, public Commanded {
     const Params& time = model.input.scene.at("time");
     is_static_ = time.text("mode") == "static";
     std::set<Index> taken;
-    for (std::size_t i = 0; i < list.items().size(); ++i) {
+    Complaints wrong;
+    const auto read = [&](std::size_t i) {
       const Params& p = list.items()[i];
       for (Index j : model::joints_named(model, p.text("joint"), p.at("joint").where())) {
         const Params& own = model.input.effect_of(list, model.joints[j].env).items()[i];
@@ -52,7 +54,9 @@ class Drive final : public Effect, public Commanded {
         else
           motors_.push_back({entry, j});
       }
-    }
+    };
+    for (std::size_t i = 0; i < list.items().size(); ++i) wrong.gather([&] { read(i); });
+    wrong.raise();
     std::stable_sort(motors_.begin(), motors_.end(),
                      [&](const Driven& a, const Driven& b) { return model.joints[a.joint].env < model.joints[b.joint].env; });
     std::vector<Index> env;

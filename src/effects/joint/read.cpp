@@ -4,6 +4,7 @@
 #include <cmath>
 #include <deque>
 
+#include "base/complaints.h"
 #include "effects/joint/joint.h"
 #include "effects/joint/tuning.h"
 
@@ -217,8 +218,9 @@ void mimic(const model::Model& model, const Joint& j, Read& all) {
 
 Read read(const Params& list, const model::Model& model) {
   std::vector<Joint> joints;
-  for (const Params& p : list.items())
+  on_each(list.items(), [&](const Params& p) {
     for (const auto& [body, to] : tied_bodies(model, p)) joints.push_back(read_entry(p, model, body, to));
+  });
   Read out;
   const auto add = [&](const Joint& j, model::Tie tie, Index follower) {
     model::Joint view;

@@ -1,5 +1,6 @@
 #include "effects/mortar_tie/mortar_tie.h"
 
+#include "base/complaints.h"
 #include "effects/tie.h"
 #include "effects/where.h"
 #include "geometry/bounds.h"
@@ -34,7 +35,7 @@ mortar_tie::Side side(const model::BodyInput& body, const Params* where, const S
 
 std::vector<model::Tie> ties(const Params& list, const model::Model& model) {
   std::vector<model::Tie> out;
-  for (const Params& p : list.items())
+  on_each(list.items(), [&](const Params& p) {
     for (const auto& [body, to] : tied_bodies(model, p, model::BodyType::soft)) {
       if (model.bodies[body].type != model::BodyType::soft)
         throw Error(Exit::scene, p.at("body").where(),
@@ -54,6 +55,7 @@ std::vector<model::Tie> ties(const Params& list, const model::Model& model) {
       for (model::TieTerm& term : tie.anchor.terms) term.weight /= static_cast<double>(tie.follows.size());
       out.push_back(std::move(tie));
     }
+  });
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <utility>
 
+#include "base/complaints.h"
 #include "effects/failure.h"
 #include "effects/list.h"
 #include "effects/pin/motion.h"
@@ -41,8 +42,10 @@ struct Held {
 class Pin final : public Effect {
  public:
   Pin(const Params& list, model::Model& model) : model_(model), per_env_(list.items().size()), owner_(3 * model.blocks, -1) {
+    Complaints wrong;
     for (Index e = 0; e < model.envs; ++e)
-      for (const Params& p : model.input.effect_of(list, e).items()) add(p, e);
+      for (const Params& p : model.input.effect_of(list, e).items()) wrong.gather([&] { add(p, e); });
+    wrong.raise();
     name_carriages();
     device_held_.upload(held_);
     active_.resize(model.envs);

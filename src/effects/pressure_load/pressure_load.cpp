@@ -3,6 +3,7 @@
 #include <map>
 #include <utility>
 
+#include "base/complaints.h"
 #include "effects/body_blocks.h"
 #include "effects/list.h"
 #include "effects/pressure_load/loaded_part.h"
@@ -40,8 +41,11 @@ class PressureLoad final : public Effect {
   PressureLoad(const Params& list, model::Model& model) : model_(model) {
     // Ordered by block, so that environments are contiguous; then by load.
     std::map<std::pair<Index, Index>, BlockLoad> loads_of;
+    Complaints wrong;
     for (Index e = 0; e < model.envs; ++e)
-      for (std::size_t l = 0; l < list.items().size(); ++l) add(model.input.effect_of(list, e).items()[l], e, static_cast<Index>(l), loads_of);
+      for (std::size_t l = 0; l < list.items().size(); ++l)
+        wrong.gather([&] { add(model.input.effect_of(list, e).items()[l], e, static_cast<Index>(l), loads_of); });
+    wrong.raise();
     const std::vector<Index> env = model.block_env.download();
     std::vector<BlockLoad> flat;
     std::vector<Index> loaded_env;
