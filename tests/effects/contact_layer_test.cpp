@@ -12,12 +12,12 @@ using effects::contact::support_radius;
 
 namespace {
 
-// A flat square plate of 10 x 10 cells, edges h.
-model::BodyInput plate(const std::string& name, double h, model::BodyType type) {
+// A flat square plate of 10 x 10 cells, edges h, at height z.
+model::BodyInput plate(const std::string& name, double h, model::BodyType type, double z = 0) {
   model::BodyInput out;
   out.name = name, out.type = type;
   for (int j = 0; j <= 10; ++j)
-    for (int i = 0; i <= 10; ++i) out.nodes.emplace_back(i * h, j * h, 0);
+    for (int i = 0; i <= 10; ++i) out.nodes.emplace_back(i * h, j * h, z);
   for (int j = 0; j < 10; ++j)
     for (int i = 0; i < 10; ++i) {
       const Index a = 11 * j + i;
@@ -28,7 +28,13 @@ model::BodyInput plate(const std::string& name, double h, model::BodyType type) 
   return out;
 }
 
-// A sphere of radius 1 of 12 x 24 fields.
+Params bare_scene() {
+  Params scene = Params::make_table();
+  scene.set("effects", Params::make_table());
+  return scene;
+}
+
+// A sphere of radius 1 of 12 x 24 fields, far above the plates.
 model::BodyInput ball() {
   model::BodyInput out;
   out.name = "ball", out.type = model::BodyType::stiff;
@@ -36,7 +42,7 @@ model::BodyInput ball() {
   for (int i = 0; i <= rows; ++i)
     for (int j = 0; j < columns; ++j) {
       const double theta = M_PI * i / rows, phi = 2 * M_PI * j / columns;
-      out.nodes.emplace_back(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
+      out.nodes.emplace_back(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), 3 + std::cos(theta));
     }
   for (int i = 0; i < rows; ++i)
     for (int j = 0; j < columns; ++j) {
@@ -60,7 +66,8 @@ Params naming(const std::string& a, const std::string& b) {
 
 TEST(ContactLayer, IsAHundredthOfTheFinestSoftMeshNamed) {
   const model::ModelInput in{
-      {}, {plate("coarse", 0.2, model::BodyType::soft), plate("fine", 0.1, model::BodyType::soft), plate("tool", 0.01, model::BodyType::stiff)}};
+      bare_scene(),
+      {plate("coarse", 0.2, model::BodyType::soft), plate("fine", 0.1, model::BodyType::soft, 1), plate("tool", 0.01, model::BodyType::stiff, 2)}};
   EXPECT_NEAR(support_radius(Params::make_table(), in), 0.001, 1e-15);
   EXPECT_NEAR(support_radius(naming("coarse", "tool"), in), 0.002, 1e-15);
   Params set = naming("coarse", "tool");
@@ -71,17 +78,61 @@ TEST(ContactLayer, IsAHundredthOfTheFinestSoftMeshNamed) {
 TEST(ContactLayer, CountsNoMoreThanATenthOfAStiffBodysExtent) {
   model::BodyInput box = plate("box", 1, model::BodyType::stiff);
   box.nodes.emplace_back(0, 0, 0.5);  // large triangles, and half a metre thick
-  EXPECT_NEAR(support_radius(Params::make_table(), {{}, {box}}), 0.01 * 0.05, 1e-15);
+  EXPECT_NEAR(support_radius(Params::make_table(), {bare_scene(), {box}}), 0.01 * 0.05, 1e-15);
 }
 
 TEST(ContactLayer, IsNoThinnerThanFacetsAreDeep) {
   // Radius 1, edges pi/12: on a sphere a facet is edge^2/6 deep.
   const double h = 0.5, depth = std::pow(M_PI / 12, 2) / 6;
-  const double d_hat = support_radius(Params::make_table(), {{}, {plate("pad", h, model::BodyType::soft), ball()}});
+  const double d_hat = support_radius(Params::make_table(), {bare_scene(), {plate("pad", h, model::BodyType::soft), ball()}});
   EXPECT_GT(d_hat, 0.01 * h);
   EXPECT_NEAR(d_hat, std::min(2 * depth, 0.03 * h), 0.5 * depth);
-  const double coarse = support_radius(Params::make_table(), {{}, {plate("pad", 0.05, model::BodyType::soft), ball()}});
+  const double coarse = support_radius(Params::make_table(), {bare_scene(), {plate("pad", 0.05, model::BodyType::soft), ball()}});
   EXPECT_NEAR(coarse, 0.03 * 0.05, 1e-15);
+}
+
+// A layer of 1 mm between plates 0.4 mm apart would push them apart; one of 0.4 mm does not. It is no thinner than a tenth of what it would be.
+TEST(ContactLayer, IsNoThickerThanTheGapAtTheStart) {
+  const auto apart = [](double gap, Params scene = bare_scene(), const Params& effect = Params::make_table()) {
+    return support_radius(effect, {std::move(scene), {plate("pad", 0.1, model::BodyType::soft), plate("tool", 0.13, model::BodyType::stiff, gap)}});
+  };
+  EXPECT_NEAR(apart(4e-4), 4e-4, 1e-15);
+  EXPECT_NEAR(apart(2e-3), 1e-3, 1e-15);
+  EXPECT_NEAR(apart(1e-5), 1e-4, 1e-15);
+  // Between what does not meet there is no gap: pairs that the contact effect does not list, that pass through each other, that are tied or held.
+  EXPECT_NEAR(apart(4e-4, bare_scene(), naming("pad", "other")), 1e-3, 1e-15);
+  EXPECT_NEAR(apart(4e-4, bare_scene(), naming("tool", "pad")), 4e-4, 1e-15);
+  const auto named = [](std::initializer_list<std::pair<const char*, const char*>> entries) {
+    Params p = Params::make_table();
+    for (const auto& [key, value] : entries) p.set(key, Params::make_text(value));
+    return p;
+  };
+  Params passing = bare_scene(), pair = Params::make_table(), pairs = Params::make_list(), both = Params::make_list();
+  both.push(Params::make_text("pad")), both.push(Params::make_text("tool"));
+  pair.set("bodies", both), pair.set("collide", Params::make_flag(false));
+  pairs.push(pair), passing.set("pairs", pairs);
+  EXPECT_NEAR(apart(4e-4, passing), 1e-3, 1e-15);
+  Params tied = bare_scene(), bonds = Params::make_list(), effects = Params::make_table();
+  bonds.push(named({{"body", "pad"}, {"to", "tool"}})), effects.set("bond", bonds), tied.set("effects", effects);
+  EXPECT_NEAR(apart(4e-4, tied), 1e-3, 1e-15);
+  Params still = bare_scene(), pins = Params::make_list(), all = Params::make_table();
+  for (const char* body : {"pad", "tool"}) {
+    Params pin = named({{"body", body}});
+    pin.set("where", named({{"side", "all"}})), pins.push(pin);
+  }
+  all.set("pin", pins), still.set("effects", all);
+  EXPECT_NEAR(apart(4e-4, still), 1e-3, 1e-15);
+}
+
+TEST(ContactLayer, LooksAtTheGapOverAHalfSpaceToo) {
+  const auto vec3 = [](double x, double y, double z) {
+    return Params::make_list({Params::make_number(x), Params::make_number(y), Params::make_number(z)});
+  };
+  model::BodyInput floor;
+  floor.name = "floor", floor.type = model::BodyType::half_space;
+  floor.params = Params::make_table();
+  floor.params.set("normal", vec3(0, 0, 2)), floor.params.set("point", vec3(0, 0, -3e-4));
+  EXPECT_NEAR(support_radius(Params::make_table(), {bare_scene(), {plate("pad", 0.1, model::BodyType::soft), floor}}), 3e-4, 1e-15);
 }
 
 TEST(ContactLayer, IsAsStiffAsTheBodies) {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "effects/contact/start_gap.h"
 #include "geometry/bounds.h"
 
 namespace mortise::effects::contact {
@@ -71,13 +72,15 @@ double facet_depth(const model::BodyInput& body) {
 double support_radius(const Params& effect, const model::ModelInput& input, Index env) {
   if (const Params* d_hat = effect.find("d_hat")) return d_hat->as_number();
   double soft = INFINITY, stiff = INFINITY, facets = 0;
-  for (const model::BodyInput* body : bodies_of(effect, input, env)) {
+  const std::vector<const model::BodyInput*> bodies = bodies_of(effect, input, env);
+  for (const model::BodyInput* body : bodies) {
     double& finest = body->type == model::BodyType::soft ? soft : stiff;
     finest = std::min(finest, fine_edge(*body));
     facets = std::max(facets, facet_depth(*body));
   }
   const double edge = std::isfinite(soft) ? soft : std::isfinite(stiff) ? stiff : 1;
-  return std::clamp(tuning::kOverFacets * facets, tuning::kThickness * edge, tuning::kThickest * edge);
+  const double thin = std::max(tuning::kThinnest * edge, start_gap(effect, input, bodies, env, tuning::kThickness * edge));
+  return std::clamp(tuning::kOverFacets * facets, thin, tuning::kThickest * edge);
 }
 
 std::vector<double> support_radii(const Params& effect, const model::ModelInput& input, Index envs) {
@@ -87,9 +90,11 @@ std::vector<double> support_radii(const Params& effect, const model::ModelInput&
 }
 
 Param support_radius_param(const std::string& what) {
-  return param::positive(param::automatic(param::number("d_hat", Unit::length, "0.1 mm", 0,
-                                                        what + "; auto, or without it, a hundredth of the finest mesh in contact, of soft bodies if "
-                                                               "there are any, and no less than twice the depth of the facets of round ones")));
+  return param::positive(
+      param::automatic(param::number("d_hat", Unit::length, "0.1 mm", 0,
+                                     what + "; auto, or without it, a hundredth of the finest mesh in contact, of soft bodies if "
+                                            "there are any, less where bodies begin nearer to each other, and no less than twice the "
+                                            "depth of the facets of round ones")));
 }
 
 double stiffness(const Params& effect, const model::ModelInput& input, Index env) {

@@ -17,7 +17,8 @@ inline double compliance(double youngs_modulus, double poisson_ratio) { return (
 
 // `d_hat` of the contact effect with these parameters, or what fits the bodies that it names, all without names [m]. The edge is that of the
 // finest mesh, of soft bodies if there are any; of a mesh counts the edge that only a tenth of its surface's edges fall short of, of a stiff body
-// no more than a tenth of its least extent. Facets are w theta/sqrt(12) deep, with w the edge between two triangles and theta < 30 degrees their
+// no more than a tenth of its least extent. Bodies that begin nearer to each other than the layer is thick have a thinner one (start_gap.h), which
+// does not push them apart. Facets are w theta/sqrt(12) deep, with w the edge between two triangles and theta < 30 degrees their
 // angle; of a body counts the depth that a tenth exceed.
 double support_radius(const Params& effect, const model::ModelInput& input, Index env = 0);
 // The same of every environment; `effect`: its block in the scene of the first.

@@ -10,6 +10,7 @@ inline constexpr double kOfExtent = 0.1;    // triangles of stiff bodies are as 
 inline constexpr double kThickness = 0.01;  // d_hat over edge, if facets are no deeper,
 inline constexpr double kOverFacets = 2;    // else over their depth,
 inline constexpr double kThickest = 0.03;   // up to this over the edge: deeper facets are shape, not error
+inline constexpr double kThinnest = 1e-3;   // and down to this where bodies begin so near to each other
 inline constexpr double kRigid = 1e6;       // kappa where nothing is soft [Pa]: a gel's
 
 // ---- ranges of barrier_contact (pair_energy.h)
