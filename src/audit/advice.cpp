@@ -34,6 +34,8 @@ std::string advice(std::string_view check, const Has& has) {
       {"given_kinks", "keys whose velocities change over several steps, or, where peaks of forces count, inertia: {integrator: backward_euler}"},
       {"jolts_damped", kDamps},
       {"strikes_damped", kDamps},
+      {"contact_force_lag", kDamps},
+      {"slip_turned_late", "shorter steps (time.step), or inertia: {integrator: backward_euler}"},
       {"motor_lag", kDamps},
       {"motor_torque_lag", kDamps},
       {"guard_share", "a finer mesh of the slave, or a larger d_hat"},

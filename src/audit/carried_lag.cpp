@@ -2,33 +2,51 @@
 
 #include "audit/archived.h"
 #include "audit/tuning.h"
+#include "audit/vector_at.h"
 
 namespace mortise::audit {
 
 void CarriedLag::start(const MovingBody& body, const std::vector<double>& points) {
   carried_.emplace_back();
-  ways_.start(body.v, tuning::kCarriedStill * 2 * body.body.radius(body.x, points));
+  ways_.start(body.v, (body.free ? tuning::kStill : tuning::kCarriedStill) * 2 * body.body.radius(body.x, points));
+}
+
+double CarriedLag::hardly(std::size_t i, double h) const { return tuning::kHardly * ways_.least(i) / h; }
+
+// Did the carrier's speed jump by the change before this one? Then the way begins with what the body's was then.
+void CarriedLag::set_off(std::size_t i, Carried& c, const Vec3& changed, double h) {
+  const Vec3 jump = at(c.changed, 0), v = at(c.v, 0);
+  if (c.steps < 2 || !(jump.norm() > std::max({tuning::kSetsOff * changed.norm(), tuning::kSetsOff * c.changed_before, hardly(i, h)}))) return;
+  ways_.restart(i, at(c.before, 0) - jump);
+  ways_.lag(i, h * v, v, h, 1);
+  Eigen::Map<Vec3>(c.along) = h * v, c.steps = 1;
 }
 
 double CarriedLag::lag(std::size_t i, const std::vector<MovingBody>& bodies, double h) {
   const MovingBody& b = bodies[i];
   Carried& c = carried_[i];
-  const std::optional<std::size_t> by = !b.free ? b.carrier : b.push.isZero() ? std::nullopt : b.on;
+  const bool squeezed = b.push.isZero();
+  const std::optional<std::size_t> on = squeezed && b.on ? bodies[*b.on].carrier : squeezed ? std::nullopt : b.on, by = b.free ? on : b.carrier;
   if (!by) return c.lag;
   const MovingBody& carrier = bodies[*by];
   Vec3 there = carrier.rigid().at(b.x), v = b.v - there;
   const Vec3 turns = there - carrier.v;
-  if (b.free) there = b.across_push(there), v = b.across_push(v);
-  if (c.by != static_cast<double>(*by) || turns.norm() > tuning::kStill * there.norm()) {
+  if (b.free && !squeezed) there = b.across_push(there), v = b.across_push(v);
+  if (c.by != static_cast<double>(*by) || turns.norm() > std::max(tuning::kStill * there.norm(), hardly(i, h))) {
     ways_.restart(i, v);
     c = {.by = static_cast<double>(*by)};
     return 0;
   }
   // How fast pinned bodies start nobody knows: as if the first step had been like the second.
   if (!b.free && c.steps == 0) ways_.restart(i, 2 * ways_.v0(i) - v);
-  Eigen::Map<Vec3> way(c.carrier), along(c.along);
+  using Vector = Eigen::Map<Vec3>;
+  const Vec3 changed = there - Vector(c.there);
+  set_off(i, c, changed, h);
+  Vector way(c.carrier), along(c.along);
   way += h * there, along += h * v;
   const double lag = ways_.lag(i, along, v, h, static_cast<long>(++c.steps));
+  c.changed_before = at(c.changed, 0).norm();
+  Vector(c.before) = at(c.v, 0), Vector(c.v) = v, Vector(c.there) = there, Vector(c.changed) = changed;
   return c.lag = way.norm() > ways_.far(i) ? lag : 0;
 }
 

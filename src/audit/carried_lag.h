@@ -2,7 +2,8 @@
 // What is carried about (a box put on a conveyor, a jaw on a hand that moves) has a way along what carries it, which may be small beside the way of
 // that and is what somebody looks at: as seen from there it lags as any other does (lagging_ways.h). Carriers are the body that goes as the scene
 // says at the end of a chain of joints and, of what is free, the body that presses it most: along that it slides. Not counted are those that turn, as
-// directions turn with them, and those that go less far, since the way as seen from the world tells as much then.
+// directions turn with them, and those that go less far, since the way as seen from the world tells as much then. Where the speed of a carrier jumps,
+// as between two keys, a new way begins.
 #include <vector>
 
 #include "audit/lagging_ways.h"
@@ -19,10 +20,14 @@ class CarriedLag {
 
  private:
   // Of a body: what carries it (its number, or -1), for how many steps; the lag; ways of that, at the body, and of the body along it since then [m].
+  // Also its velocity along that and the carrier's there in the last state, and what the latter changed by to that and to the one before [m/s].
   struct Carried {
     double by = -1, steps = 0, lag = 0;
     double carrier[3] = {0, 0, 0}, along[3] = {0, 0, 0};
+    double v[3] = {0, 0, 0}, before[3] = {0, 0, 0}, there[3] = {0, 0, 0}, changed[3] = {0, 0, 0}, changed_before = 0;
   };
+  double hardly(std::size_t body, double h) const;  // less is no speed of a carrier [m/s]
+  void set_off(std::size_t body, Carried& c, const Vec3& changed, double h);
   std::vector<Carried> carried_;  // by body
   LaggingWays ways_;
 };

@@ -63,6 +63,8 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
   add("given_kinks", energy.given_kinks, tuning::kGivenKinks, Of::forces);
   add("jolts_damped", energy.jolted, tuning::kJolted, Of::forces);
   add("strikes_damped", energy.struck, tuning::kStruck, Of::forces);
+  add("slip_turned_late", energy.slip_reversal, tuning::kSlipReversal);
+  add("contact_force_lag", energy.late_inertia, tuning::kLateInertia, Of::forces);
   add("motor_lag", energy.motor_lag, tuning::kMotorLag);
   add("motor_torque_lag", energy.motor_torque_lag, tuning::kMotorLag, Of::forces);
   add("guard_share", fields.guard, tuning::kGuard, Of::fields);

@@ -27,6 +27,7 @@ class LaggingWays {
   double lag(std::size_t body, const Vec3& way, const Vec3& velocity, double h, long steps);
   Vec3 v0(std::size_t body) const;
   double far(std::size_t body) const { return far_[body]; }
+  double least(std::size_t body) const { return least_[body]; }
   void checkpoint(Archive& archive, const std::string& name);
 
  private:

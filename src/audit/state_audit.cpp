@@ -40,6 +40,8 @@ EnergyAudit::EnergyAudit(const model::ModelInput& input)
       given_kinks_(input),
       jolted_(input),
       struck_(input),
+      late_(input),
+      slip_reversal_(input),
       motor_lag_(input),
       turning_(input),
       spin_(input),
@@ -122,6 +124,8 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   std::vector<double> elastic;
   for (std::size_t i = 0; i < moving.size(); ++i) elastic.push_back(elastic_[i].at(now.points));
   struck_.state(moving, elastic);
+  late_.state(now.said, moving);
+  slip_reversal_.state(now.said, moving);
   motor_lag_.state(now.said, now.points, moving);
   vibrations_.state(now.said, now.points, moving, stored_, bounces_.brought());
   swings_.state(now.said, now.points, moving, elastic);
@@ -137,6 +141,7 @@ void EnergyAudit::step(bool first_order) {
   vibrations_.step(first_order, !balanced_);
   swings_.step(first_order);
   struck_.step(first_order);
+  late_.step(first_order);
   turning_.step(first_order);
   spin_.step(first_order);
   to_and_fro_.step(first_order);
@@ -152,7 +157,8 @@ void EnergyAudit::measured() {
   r_.at_start = pressed_first_ - pressed_least_;
   r_.motion_lag = std::fmax(lag_.value(), std::fmax(phase_.value(), soft_phase_.value())), r_.given_lag = given_lag_.value(),
   r_.held_weight = held_weight_.share(), r_.buckling = buckling_.value(), r_.bond_overlap = bond_overlap_.value(),
-  r_.facet_torque = facet_torque_.share(), r_.given_kinks = given_kinks_.value(), r_.jolted = jolted_.value(), r_.struck = struck_.share();
+  r_.facet_torque = facet_torque_.share(), r_.given_kinks = given_kinks_.value(), r_.jolted = jolted_.value(), r_.struck = struck_.share(),
+  r_.late_inertia = late_.share(), r_.slip_reversal = slip_reversal_.share();
   r_.motor_lag = motor_lag_.way(), r_.motor_torque_lag = motor_lag_.torque();
   r_.free_loss = free_ + bounces_.sum() + vibrations_.sum(steady_), r_.impacts = bounces_.stiff();
   r_.own_loss = std::max({bounces_.own(), vibrations_.alone(r_.loss_scale), swings_.share(), to_and_fro_.share()}),
@@ -189,6 +195,8 @@ void EnergyAudit::checkpoint(Archive& archive) {
   given_kinks_.checkpoint(archive);
   jolted_.checkpoint(archive);
   struck_.checkpoint(archive);
+  late_.checkpoint(archive);
+  slip_reversal_.checkpoint(archive);
   motor_lag_.checkpoint(archive);
   turning_.checkpoint(archive);
   spin_.checkpoint(archive);

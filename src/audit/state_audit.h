@@ -15,10 +15,12 @@
 #include "audit/given_lag.h"
 #include "audit/held_weight.h"
 #include "audit/jolted.h"
+#include "audit/late_inertia.h"
 #include "audit/measured_body.h"
 #include "audit/motion_lag.h"
 #include "audit/motor_lag.h"
 #include "audit/own_energy.h"
+#include "audit/slip_reversal.h"
 #include "audit/soft_phase.h"
 #include "audit/spin_loss.h"
 #include "audit/steady_motion.h"
@@ -90,6 +92,7 @@ class EnergyAudit {
     double facet_torque = NAN;                       // facet_torque.h
     double given_kinks = NAN;                        // given_kinks.h
     double jolted = NAN, struck = NAN;               // jolted.h, struck.h
+    double late_inertia = NAN, slip_reversal = NAN;  // late_inertia.h, slip_reversal.h
     double motor_lag = NAN, motor_torque_lag = NAN;  // motor_lag.h: of ways, of torques
     bool work_is_known = true;  // false: loads do work whose potential is not reported, or nothing moves in time; then `gain` stays NaN
   };
@@ -121,6 +124,8 @@ class EnergyAudit {
   GivenKinks given_kinks_;
   Jolted jolted_;
   Struck struck_;
+  LateInertia late_;
+  SlipReversal slip_reversal_;
   MotorLag motor_lag_;
   TurningLoss turning_;
   SpinLoss spin_;

@@ -29,7 +29,9 @@ void take(const Squares& D, double (&lasts)[3], double (&out)[3]) {
 }  // namespace
 
 bool ToAndFroLoss::counts(const MovingBody& b, const std::vector<MovingBody>& bodies) {
-  return b.free && b.touches && !b.body.soft() && !(b.on && bodies[*b.on].body.soft());
+  const MovingBody* on = b.on ? &bodies[*b.on] : nullptr;
+  const bool shaken = on && on->given && on->rigid().at(b.pressed).norm() > 0;
+  return b.free && b.touches && !b.body.soft() && !(on && on->body.soft()) && !shaken;
 }
 
 void ToAndFroLoss::state(const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
