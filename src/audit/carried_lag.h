@@ -1,9 +1,9 @@
 #pragma once
 // What is carried about (a box put on a conveyor, a jaw on a hand that moves) has a way along what carries it, which may be small beside the way of
 // that and is what somebody looks at: as seen from there it lags as any other does (lagging_ways.h). Carriers are the body that goes as the scene
-// says at the end of a chain of joints and, of what is free, the body that presses it most: along that it slides. Not counted are those that turn, as
-// directions turn with them, and those that go less far, since the way as seen from the world tells as much then. Where the speed of a carrier jumps,
-// as between two keys, a new way begins.
+// says at the end of a chain of joints and, of what is free, the body that presses it most: along that it slides; what jaws hold from two sides goes
+// along with what carries those. Not counted are those that turn, as directions turn with them, and those that go less far, since the way as seen
+// from the world tells as much then. Where the speed of a carrier jumps, as between two keys, a new way begins.
 #include <vector>
 
 #include "audit/lagging_ways.h"

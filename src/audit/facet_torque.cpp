@@ -24,6 +24,7 @@ FacetTorque::FacetTorque(const model::ModelInput& input) {
   std::size_t number = 0;
   for (const model::BodyInput& body : input.bodies) {
     if (body.type == model::BodyType::half_space) continue;
+    for (const Vec3& x : body.nodes) start_.insert(start_.end(), x.data(), x.data() + 3);
     const std::size_t own = number++;
     const Params* shape = body.params.find("shape");
     if (body.type != model::BodyType::stiff || !shape || round_volume(*shape) == 0) continue;
@@ -33,13 +34,13 @@ FacetTorque::FacetTorque(const model::ModelInput& input) {
       if (!on_it || joint.text("type") != "revolute" || holds.driven(name) != Holds::Driven::yes) continue;
       const Params& round = shape->entries().begin()->second;
       const double s = round.number("edge_length"), depth = s * s / (8 * round.number("radius"));
-      wheels_.push_back({own, 0.5 * s * depth / (depth + tuning::kEvens * d_hat), "drive/" + name + "_torque"});
+      wheels_.push_back({own, 0.5 * s * depth / (depth + tuning::kEvens * d_hat), "drive/" + name + "_torque", joint.vec3("axis").normalized()});
     }
   }
   off_.assign(wheels_.size(), 0.0), torque_ = off_, last_ = off_;
 }
 
-void FacetTorque::state(const Snapshot& said, const std::vector<MovingBody>& bodies) {
+void FacetTorque::state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
   const Snapshot::Values* contact = said.of_points("contact_force", 3);
   if (bodies.empty() || !contact) return;
   for (std::size_t i = 0; i < wheels_.size(); ++i) {
@@ -48,8 +49,11 @@ void FacetTorque::state(const Snapshot& said, const std::vector<MovingBody>& bod
     const double torque = std::fmax(std::abs(said.at(wheel.torque)), 0.0);
     torque_[i] = std::max(torque_[i], std::min(torque, std::exchange(last_[i], torque)));
     if (body.on && bodies[*body.on].body.soft()) continue;
+    const Vec3 turned = body.body.rotation(start_, points);
+    const double angle = turned.norm();
+    const Vec3 axis = angle > 0 ? Vec3(Eigen::AngleAxisd(angle, turned / angle) * wheel.axis) : wheel.axis;
     double pressed = 0;
-    for (std::size_t k = 0; k < body.body.count; ++k) pressed += at(*contact, body.body.first + k).norm();
+    for (std::size_t k = 0; k < body.body.count; ++k) pressed += at(*contact, body.body.first + k).cross(axis).norm();
     off_[i] = std::fmax(off_[i], wheel.off * pressed);
   }
 }

@@ -116,7 +116,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   const std::vector<double> forces = forces_on(now);
   given_lag_.state(moving, forces);
   held_weight_.state(forces);
-  facet_torque_.state(now.said, moving);
+  facet_torque_.state(now.said, now.points, moving);
   buckling_.state(now.said, now.points);
   bond_overlap_.state(now.points);
   given_kinks_.state(moving, forces);

@@ -7,7 +7,8 @@
 //
 // What only speeds up or comes to rest goes as far as it should but for motion_lag: along every axis of the world D counts as the smaller of the
 // largest velocities to and fro is to the larger, and where it has gone farther on that than kToAndFro of its radius. What jumps is no such motion:
-// of a step counts the least D of the last three; nothing counts in the step in which something comes to touch.
+// of a step counts the least D of the last three; nothing counts in the step in which something comes to touch, or on what the scene moves, as
+// friction drives it to and fro then.
 #include <vector>
 
 #include "audit/moving_body.h"

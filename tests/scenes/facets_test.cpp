@@ -112,3 +112,32 @@ effects:
     EXPECT_LT(energy.facet_torque, 2 * worst / largest) << edge;
   }
 }
+
+// What presses a disc along its axis has no torque, wherever it does: 20 N on the flat face, rubbed with mu = 0.4, ask for 2/3 mu N R.
+TEST(Facets, AreNotWhatAFlatFaceLiesOn) {
+  Rig rig(R"(
+mortise: 1
+name: disc
+time: {step: 5 ms, steps: 60}
+bodies:
+  slide: {type: stiff, shape: {box: {size: [20 mm, 20 mm, 10 mm], edge_length: 20 mm}}, mass: 0.1, position: [0, 0, 25 mm]}
+  disc: {type: stiff, shape: {cylinder: {radius: 15 mm, height: 8 mm, edge_length: 4 mm}}, mass: 0.1, position: [0, 0, 4.05 mm]}
+  floor: {type: half_space}
+effects:
+  inertia: {}
+  affine_body: {}
+  joint:
+    - {name: z, type: prismatic, body: slide, axis: [0, 0, -1]}
+    - {name: h, type: revolute, body: disc, to: slide, axis: [0, 0, 1], at: [0, 0, 15 mm]}
+  drive:
+    - {joint: z, mode: effort, force: {time: [0, 50 ms], value: [0, 20]}, damping: 2}
+    - {joint: h, mode: kinematic, angle: {time: [0, 0.1, 0.3], value: [0, 0, 0.8]}}
+  mortar_contact: {pairs: [{slave: disc, master: floor}]}
+  friction: {follows: mortar_contact, mu: 0.4}
+)");
+  double torque = 0;
+  const audit::EnergyAudit::Result energy =
+      audited(rig, 60, [&](const solver::StepReport&, const Captured& said) { torque = std::abs(said.at("drive/h_torque")); });
+  EXPECT_NEAR(torque, 2.0 / 3 * 0.4 * 20 * 0.015, 0.04 * 0.08);
+  EXPECT_FALSE(energy.facet_torque > 0.01);
+}
