@@ -28,9 +28,9 @@ void take(const Squares& D, double (&lasts)[3], double (&out)[3]) {
 
 }  // namespace
 
-bool ToAndFroLoss::counts(const MovingBody& b, const std::vector<MovingBody>& bodies) {
+bool ToAndFroLoss::counts(const MovingBody& b, const std::vector<MovingBody>& bodies, double slowest) {
   const MovingBody* on = b.on ? &bodies[*b.on] : nullptr;
-  const bool shaken = on && on->given && on->rigid().at(b.pressed).norm() > 0;
+  const bool shaken = on && on->given && on->rigid().at(b.pressed).norm() > slowest;
   return b.free && b.touches && !b.body.soft() && !(on && on->body.soft()) && !shaken;
 }
 
@@ -42,7 +42,7 @@ void ToAndFroLoss::state(const std::vector<double>& points, const std::vector<Mo
     Body& of = bodies_[i];
     std::fill_n(of.first, 3, 0.0), std::fill_n(of.second, 3, 0.0);
     if (of.radius == 0) of.radius = b.body.radius(b.x, points);
-    if (!counts(b, bodies)) {
+    if (!counts(b, bodies, tuning::kShakes * of.radius / integration_.step)) {
       of.states = 0;
       continue;
     }

@@ -36,7 +36,8 @@ class ToAndFroLoss {
     double radius = 0, moved = 0;                     // [m], [J]
     double share() const;
   };
-  static bool counts(const MovingBody& b, const std::vector<MovingBody>& bodies);
+  // slowest: of what moves under a body, more than rounding [m/s].
+  static bool counts(const MovingBody& b, const std::vector<MovingBody>& bodies, double slowest);
   Integration integration_;
   std::vector<Body> bodies_;
 };

@@ -126,6 +126,7 @@ inline constexpr double kShownBySwing = 0.6;      // of the most elastic energy:
 inline constexpr double kOneSided = 0.5;          // of the forces on a body: what is pressed from both sides lies on neither (moving_body.cpp)
 inline constexpr double kSlips = 0.02;            // of the fastest slip of a body: slower it sticks (slip_reversal.cpp)
 inline constexpr double kSetsOff = 4;             // times the changes of velocity beside it: what a carrier's speed jumps by (carried_lag.cpp)
+inline constexpr double kShakes = 1e-6;           // of a body's size, in a step: less of what moves under it is rounding (to_and_fro_loss.cpp)
 inline constexpr double kHardly = 1e-3;           // of the least way, in a step: what bodies on joints give (carried_lag.cpp)
 inline constexpr double kCarriedStill = 0.1;      // of a body's size: less is no way along what carries it that anybody looks at (carried_lag.cpp)
 // Errors of the ways of four gaits at 2.5 to 10 ms were 1.3 to 7 times the sums without these, most 3 to 4 with backward Euler, and 1 to 10 times

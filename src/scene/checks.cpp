@@ -41,14 +41,15 @@ constexpr Measure kMeasures[] = {
     {"position", Unit::length, true, true, "", "Centre of mass."},
     {"displacement", Unit::length, true, true, "", "Way of the centre of mass since the start."},
     {"rotation", Unit::angle, true, true, "",
-     "Rotation since the start, of the rigid motion that fits the points best: its angle along its axis; size: the angle, at most half a turn."},
+     "Rotation since the start, of the rigid motion that fits the points best: its angle along its axis; size: the angle, at most half a turn "
+     "(beyond, the other way; joint/NAME_angle of quantities counts on)."},
     {"lowest", Unit::length, true, true, "", "Lowest coordinate of any point along the axis."},
     {"highest", Unit::length, true, true, "", "Highest coordinate of any point along the axis."},
     {"velocity", Unit::velocity, true, true, "inertia", "Velocity of the centre of mass."},
     {"spin", Unit::angular_velocity, true, true, "inertia", "Angular velocity of the rigid motion that fits the points' velocities best."},
     {"contact_force", Unit::force, true, true, "contact", "Force of all contact effects on the body."},
     {"friction_force", Unit::force, true, true, "friction", "Friction on the body."},
-    {"support_force", Unit::force, true, true, "pin", "Force of its pins on the body."},
+    {"support_force", Unit::force, true, true, "pin", "Force of its pins on the body (of joints: joint/NAME_force_z of quantities)."},
 };
 
 const Measure* find_measure(const std::string& name) {
