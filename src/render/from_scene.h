@@ -55,6 +55,8 @@ class SceneView {
   // What a camera sees now. `fields`: one value or vector (which colours by its length) per point by name, in SI. The job refers to the meshes of
   // this view. Without a `range` the colour scale spans the extremes of the field up to this frame.
   RenderJob job(const std::string& camera, const std::map<std::string, std::vector<double>>& fields, std::string caption);
+  // Scales without a range begin anew: nothing was solved in a first state, and bodies that begin near to each other press by any force then.
+  void forget_scales() { extremes_.clear(), longest_.clear(); }
 
  private:
   struct Body;

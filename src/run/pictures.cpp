@@ -47,6 +47,7 @@ void Pictures::draw(long frame, double time, const std::vector<double>& points, 
     }
     output::write_file_atomically(place(files.file), camera_json(files, camera, name, job, state_->view.labels(), frame, time), false);
   }
+  if (frame == 0) state_->view.forget_scales();
 }
 
 }  // namespace mortise::run

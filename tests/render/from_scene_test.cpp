@@ -110,6 +110,9 @@ TEST_F(SceneViewTest, AColourScaleWithoutRangeOnlyGrows) {
   EXPECT_DOUBLE_EQ(view.job("free", fields, "").bar->high, 8e3);
   fields["contact_pressure"][5] = 9e3;
   EXPECT_DOUBLE_EQ(view.job("free", fields, "").bar->high, 9e3);
+  view.forget_scales();
+  fields["contact_pressure"][5] = 1e3;
+  EXPECT_LT(view.job("free", fields, "").bar->high, 9e3);
 }
 
 // A uniform pull at the top of the cube: traction is force over area, and its arrows add up to it.
