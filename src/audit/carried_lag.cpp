@@ -26,7 +26,8 @@ double CarriedLag::lag(std::size_t i, const std::vector<MovingBody>& bodies, dou
   const MovingBody& b = bodies[i];
   Carried& c = carried_[i];
   const bool squeezed = b.push.isZero();
-  const std::optional<std::size_t> on = squeezed && b.on ? bodies[*b.on].carrier : squeezed ? std::nullopt : b.on, by = b.free ? on : b.carrier;
+  std::optional<std::size_t> by = b.free ? b.on : b.carrier;
+  if (b.free && squeezed && by) by = bodies[*by].carrier;
   if (!by) return c.lag;
   const MovingBody& carrier = bodies[*by];
   Vec3 there = carrier.rigid().at(b.x), v = b.v - there;

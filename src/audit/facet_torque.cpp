@@ -18,9 +18,12 @@ namespace mortise::audit {
 FacetTorque::FacetTorque(const model::ModelInput& input) {
   const Params& effects = input.scene.at("effects");
   const Holds holds(effects);
-  double d_hat = INFINITY;
-  for (const std::string& contact : effects::of_role(effects, effects::Role::contact))
-    d_hat = std::min(d_hat, effects::contact::support_radius(effects.at(contact), input));
+  const auto layer = [&] {
+    double d_hat = INFINITY;
+    for (const std::string& contact : effects::of_role(effects, effects::Role::contact))
+      d_hat = std::min(d_hat, effects::contact::support_radius(effects.at(contact), input));
+    return d_hat;
+  };
   std::size_t number = 0;
   for (const model::BodyInput& body : input.bodies) {
     if (body.type == model::BodyType::half_space) continue;
@@ -34,7 +37,7 @@ FacetTorque::FacetTorque(const model::ModelInput& input) {
       if (!on_it || joint.text("type") != "revolute" || holds.driven(name) != Holds::Driven::yes) continue;
       const Params& round = shape->entries().begin()->second;
       const double s = round.number("edge_length"), depth = s * s / (8 * round.number("radius"));
-      wheels_.push_back({own, 0.5 * s * depth / (depth + tuning::kEvens * d_hat), "drive/" + name + "_torque", joint.vec3("axis").normalized()});
+      wheels_.push_back({own, 0.5 * s * depth / (depth + tuning::kEvens * layer()), "drive/" + name + "_torque", joint.vec3("axis").normalized()});
     }
   }
   off_.assign(wheels_.size(), 0.0), torque_ = off_, last_ = off_;
@@ -48,7 +51,7 @@ void FacetTorque::state(const Snapshot& said, const std::vector<double>& points,
     const MovingBody& body = bodies[wheel.body];
     const double torque = std::fmax(std::abs(said.at(wheel.torque)), 0.0);
     torque_[i] = std::max(torque_[i], std::min(torque, std::exchange(last_[i], torque)));
-    if (body.on && bodies[*body.on].body.soft()) continue;
+    if (!body.touches || (body.on && bodies[*body.on].body.soft())) continue;
     const Vec3 turned = body.body.rotation(start_, points);
     const double angle = turned.norm();
     const Vec3 axis = angle > 0 ? Vec3(Eigen::AngleAxisd(angle, turned / angle) * wheel.axis) : wheel.axis;

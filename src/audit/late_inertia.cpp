@@ -8,7 +8,6 @@
 #include "audit/archived.h"
 #include "audit/least_of_last.h"
 #include "audit/tuning.h"
-#include "audit/vector_at.h"
 
 namespace mortise::audit {
 
@@ -31,7 +30,7 @@ void LateInertia::state(const Snapshot& said, const std::vector<MovingBody>& bod
   if (std::isnan(integration_.step) || bodies.empty()) return;
   const bool second = integration_.second_order;
   if (states_++ < (second ? 3 : 1)) return;  // accelerations are known from then on
-  const std::span<const double> friction = of_points(said, "friction_force", 3);
+  const Snapshot::Values* friction = said.of_points("friction_force", 3);
   std::map<std::size_t, Loads> loads;
   for (const MovingBody& b : bodies) {
     if (b.given) continue;
@@ -39,8 +38,8 @@ void LateInertia::state(const Snapshot& said, const std::vector<MovingBody>& bod
     of.inertia += b.body.mass() * b.a, of.push += b.push, of.pressed += b.push.norm();
     of.driven = of.driven || b.held || !b.swings;
     of.soft = of.soft || (b.touches && (b.body.soft() || (b.on && bodies[*b.on].body.soft())));
-    Vec3 rubbed = Vec3::Zero();
-    for (std::size_t p = b.body.first; !friction.empty() && p < b.body.first + b.body.count; ++p) rubbed += at(friction, p);
+    if (!friction || friction->empty()) continue;
+    const Vec3 rubbed = b.body.sum(*friction);
     of.rubbed += rubbed.norm(), of.friction += rubbed;
   }
   groups_.resize(bodies.size());

@@ -79,7 +79,7 @@ std::map<std::size_t, double> RimError::of(const ContactPatch& surface, const Co
   // The one of another body that is nearest to a point of an edge, in sizes of the mesh.
   const auto nearest = [&](const Vec3& x, std::size_t body) {
     std::pair<const Last*, double> out{nullptr, tuning::kBeside};
-    if ((x.array() < beside.lo.array()).any() || (x.array() > beside.hi.array()).any()) return out.first;
+    if (!beside.holds(x)) return out.first;
     for (const Last& last : rim) {
       if (surface.body(nodes[last.node].point) == body) continue;
       const double away = (last.at - x).norm() / size[last.node];

@@ -4,15 +4,14 @@
 
 #include "audit/archived.h"
 #include "audit/tuning.h"
-#include "audit/vector_at.h"
 
 namespace mortise::audit {
 
 void SlipReversal::state(const Snapshot& said, const std::vector<MovingBody>& bodies) {
-  if (!integration_.second_order || bodies.empty()) return;
-  const std::span<const double> friction = of_points(said, "friction_force", 3);
+  const Snapshot::Values* friction = said.of_points("friction_force", 3);
+  if (!integration_.second_order || bodies.empty() || !friction || friction->empty()) return;
   bodies_.resize(bodies.size());
-  for (std::size_t i = 0; i < bodies.size() && !friction.empty(); ++i) {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MovingBody& b = bodies[i];
     Body& of = bodies_[i];
     using Vector = Eigen::Map<Vec3>;
@@ -23,9 +22,8 @@ void SlipReversal::state(const Snapshot& said, const std::vector<MovingBody>& bo
     const bool turns = slides && slip.dot(Vector(of.slips)) < 0;
     if (turns && of.turned != 0) of.late += 2 * integration_.step * of.rate * of.time, of.gone += of.way;
     if (turns || !slides) of.begin(turns);
-    Vec3 F = Vec3::Zero();
-    for (std::size_t p = b.body.first; p < b.body.first + b.body.count; ++p) F += at(friction, p);
-    of.way += integration_.step * slip.norm(), of.time += integration_.step, of.rate = std::max(of.rate, F.norm() / b.body.mass());
+    of.way += integration_.step * slip.norm(), of.time += integration_.step,
+        of.rate = std::max(of.rate, b.body.sum(*friction).norm() / b.body.mass());
     Vector(of.slips) = slip;
   }
 }

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "base/complaints.h"
+#include "effects/contact/named.h"
 #include "effects/roles.h"
 #include "geometry/bounds.h"
 #include "geometry/placement.h"
@@ -95,23 +96,13 @@ model::BodyInput make_body(const Params& scene, const std::string& name, const P
   return out;
 }
 
-// All names of bodies in a block of pairs.
-void names_in(const Params& pairs, std::set<std::string>& out) {
-  if (pairs.kind() == Params::Kind::text) out.insert(pairs.as_text());
-  if (pairs.kind() == Params::Kind::list)
-    for (const Params& p : pairs.items()) names_in(p, out);
-  if (pairs.kind() == Params::Kind::table)
-    for (const auto& [key, p] : pairs.entries()) names_in(p, out);
-}
-
 // In a layer thicker than a body everything is near everything: the first step takes hours and fills the memory.
 void check_layers(const model::ModelInput& input) {
   constexpr double kMost = 0.5;  // of the size of a body
   const Params& effects = input.scene.at("effects");
   for (const std::string& name : effects::of_role(effects, effects::Role::contact)) {
     const Params *d_hat = effects.at(name).find("d_hat"), *pairs = effects.at(name).find("pairs");
-    std::set<std::string> listed;
-    if (pairs) names_in(*pairs, listed);
+    const std::set<std::string> listed = pairs ? effects::contact::named(*pairs) : std::set<std::string>();
     const model::BodyInput* smallest = nullptr;
     double size = INFINITY;
     for (const model::BodyInput& body : input.bodies) {

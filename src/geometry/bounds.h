@@ -12,6 +12,9 @@ struct Bounds {
   Vec3 lo = Vec3::Constant(INFINITY), hi = Vec3::Constant(-INFINITY);
   void include(const Vec3& x) { lo = lo.cwiseMin(x), hi = hi.cwiseMax(x); }
   Vec3 size() const { return hi - lo; }
+  Bounds grown(double by) const { return {lo - Vec3::Constant(by), hi + Vec3::Constant(by)}; }
+  bool holds(const Vec3& x) const { return (x.array() >= lo.array()).all() && (x.array() <= hi.array()).all(); }
+  bool meets(const Bounds& o) const { return (lo.array() <= o.hi.array()).all() && (o.lo.array() <= hi.array()).all(); }
 };
 
 inline Bounds bounds_of(std::span<const Vec3> points) {

@@ -4,15 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "effects/roles.h"
 #include "run/tuning.h"
+#include "run/warning_text.h"
 
 namespace mortise::run {
 namespace {
-
-std::string placed(const SourceLoc& where, const std::string& text) { return where.file.empty() ? text : where.text() + ": " + text; }
 
 // What a motor aims at by keys: least and largest.
 std::pair<double, double> span_of(const Params& target) {
@@ -28,18 +26,18 @@ void of_target(const Params& drive, const Params& joint, const char* key, std::v
   const bool angle = key == std::string("angle");
   const double most = std::max(std::abs(low), std::abs(high));
   // Wheels turn on; degrees are whole numbers, and few.
-  if (angle && most > 2 * std::numbers::pi * (1 + 1e-6) && most <= 360 && most == std::floor(most)) {
-    out.push_back(placed(target->where(), fmt::format("the motor of '{}' aims at {:g} rad, which is more than a turn; degrees are written '{:g} deg'",
-                                                      drive.text("joint"), most, most)));
+  if (angle && more_than_a_turn(most) && most <= 360 && most == std::floor(most)) {
+    out.push_back(at(target->where(), fmt::format("the motor of '{}' aims at {:g} rad, which is more than a turn; degrees are written '{:g} deg'",
+                                                  drive.text("joint"), most, most)));
     return;
   }
   const Params* limits = joint.find(angle ? "angle_limits" : "travel_limits");
   if (!limits) return;
   const double least = limits->as_numbers().front(), largest = limits->as_numbers().back(), room = 1e-6 * (largest - least);
   if (low >= least - room && high <= largest + room) return;
-  out.push_back(placed(target->where(), fmt::format("the motor of '{}' aims at {:.4g} {}, beyond the limits of the joint, {:.4g} and {:.4g}; is the "
-                                                    "unit right?",
-                                                    drive.text("joint"), low < least - room ? low : high, angle ? "rad" : "m", least, largest)));
+  out.push_back(at(target->where(), fmt::format("the motor of '{}' aims at {:.4g} {}, beyond the limits of the joint, {:.4g} and {:.4g}; is the "
+                                                "unit right?",
+                                                drive.text("joint"), low < least - room ? low : high, angle ? "rad" : "m", least, largest)));
 }
 
 // Of motors that are given a position exactly that is an error.
@@ -58,7 +56,7 @@ void of_motors(const Params& effects, std::vector<std::string>& out) {
 void above(const Params& block, const char* key, double most, const std::string& path, const char* unit, std::vector<std::string>& out) {
   const Params* p = block.find(key);
   if (p && p->as_number() > most)
-    out.push_back(placed(p->where(), fmt::format("{}.{} is {:.3g}{}{}; is the unit right?", path, key, p->as_number(), *unit ? " " : "", unit)));
+    out.push_back(at(p->where(), fmt::format("{}.{} is {:.3g}{}{}; is the unit right?", path, key, p->as_number(), *unit ? " " : "", unit)));
 }
 
 }  // namespace
@@ -75,9 +73,8 @@ std::vector<std::string> unit_warnings(const model::ModelInput& input) {
     above(body.params, "mass", tuning::kMostMass, "bodies." + body.name, "kg", out);
     const Params* position = body.params.find("position");
     if (position && position->as_vec3().norm() > tuning::kFarthest)
-      out.push_back(
-          placed(position->where(), fmt::format("'{}' is {:.3g} m from the origin, where places are known to {:.1g} m only; is the unit right?",
-                                                body.name, position->as_vec3().norm(), 1e-16 * position->as_vec3().norm())));
+      out.push_back(at(position->where(), fmt::format("'{}' is {:.3g} m from the origin, where places are known to {:.1g} m only; is the unit right?",
+                                                      body.name, position->as_vec3().norm(), 1e-16 * position->as_vec3().norm())));
   }
   return out;
 }

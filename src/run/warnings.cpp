@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 
 #include "audit/volumetric.h"
 #include "base/snapshot.h"
@@ -17,14 +16,13 @@
 #include "run/idle_joints.h"
 #include "run/tuning.h"
 #include "run/unit_warnings.h"
+#include "run/warning_text.h"
 #include "scene/edge_lengths.h"
 #include "scene/pass_through.h"
 #include "sensors/sensors.h"
 
 namespace mortise::run {
 namespace {
-
-std::string at(const SourceLoc& where, const std::string& text) { return where.file.empty() ? text : where.text() + ": " + text; }
 
 void of_materials(const Params& scene, std::vector<std::string>& out) {
   const Params* materials = scene.find("materials");
@@ -118,12 +116,11 @@ void of_sensors(const model::ModelInput& input, std::vector<std::string>& out) {
   }
 }
 
-// A number without a unit is in radians.
 void of_rotations(const model::ModelInput& input, std::vector<std::string>& out) {
   for (const model::BodyInput& body : input.bodies) {
     const Params* rotation = body.params.find("rotation");
     const Params* angle = rotation ? rotation->find("angle") : nullptr;
-    if (angle && std::abs(angle->as_number()) > 2 * std::numbers::pi * (1 + 1e-6))
+    if (angle && more_than_a_turn(angle->as_number()))
       out.push_back(at(angle->where(), fmt::format("'{}' is rotated by {:.6g} rad, which is more than a turn; degrees are written '{:.6g} deg'",
                                                    body.name, angle->as_number(), angle->as_number())));
   }
@@ -136,7 +133,7 @@ void of_joint_limits(const Params& scene, std::vector<std::string>& out) {
     if (!limits) continue;
     double most = 0;
     for (const double v : limits->as_numbers()) most = std::max(most, std::abs(v));
-    if (most > 2 * std::numbers::pi * (1 + 1e-6) && most <= 360)
+    if (more_than_a_turn(most) && most <= 360)
       out.push_back(
           at(limits->where(), fmt::format("angle_limits of up to {:.6g} rad are more than a turn; degrees are written '{:.6g} deg'", most, most)));
   }

@@ -8,24 +8,17 @@
 #include <utility>
 #include <vector>
 
+#include "effects/contact/named.h"
 #include "effects/contact/start_gap.h"
 #include "geometry/bounds.h"
 
 namespace mortise::effects::contact {
 namespace {
 
-void add_names(const Params& p, std::set<std::string>& names) {
-  if (p.kind() == Params::Kind::text) names.insert(p.as_text());
-  if (p.kind() == Params::Kind::list)
-    for (const Params& item : p.items()) add_names(item, names);
-  if (p.kind() == Params::Kind::table)
-    for (const auto& [key, value] : p.entries()) add_names(value, names);
-}
-
 // Bodies of the environment that the effect acts on.
 std::vector<const model::BodyInput*> bodies_of(const Params& effect, const model::ModelInput& input, Index env) {
-  std::set<std::string> names;
-  if (const Params* pairs = effect.find("pairs")) add_names(*pairs, names);
+  const Params* pairs = effect.find("pairs");
+  const std::set<std::string> names = pairs ? named(*pairs) : std::set<std::string>();
   std::vector<const model::BodyInput*> out;
   for (const model::BodyInput& body : input.bodies)
     if (body.env == env && !body.triangles.empty() && (names.empty() || names.count(body.name))) out.push_back(&body);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "effects/contact/named.h"
 
 namespace mortise::effects::contact {
 namespace {
@@ -20,19 +21,6 @@ bool meets_itself(const model::Model& model, const model::Body& body) {
   return true;
 }
 
-// Do the two bodies pass through each other because the scene says so?
-bool pass(const model::Model& model, const std::string& a, const std::string& b) {
-  const Params* list = model.input.scene.find("pairs");
-  if (!list || list->kind() != Params::Kind::list) return false;
-  return std::any_of(list->items().begin(), list->items().end(), [&](const Params& pair) {
-    const std::vector<Params>& names = pair.at("bodies").items();
-    const auto named = [&](const std::string& body) {
-      return std::any_of(names.begin(), names.end(), [&](const Params& n) { return n.as_text() == body; });
-    };
-    return !pair.flag("collide") && named(a) && named(b);
-  });
-}
-
 }  // namespace
 
 void complete(const model::Model& model, WatchedPairs& pairs) {
@@ -43,12 +31,12 @@ void complete(const model::Model& model, WatchedPairs& pairs) {
     for (Index j = i + 1; j < n && model.bodies[j].env == a.env; ++j) {
       const model::Body& b = model.bodies[j];
       if (a.prescribed() && b.prescribed()) pairs.set(i, j, a.carriage == b.carriage ? Watch::no : Watch::apart);
-      if (pass(model, a.name, b.name) || model.ties.pass(i, j)) pairs.set(i, j, Watch::no);
+      if (pass(model.input.scene, a.name, b.name) || model.ties.pass(i, j)) pairs.set(i, j, Watch::no);
     }
     for (std::size_t p = 0; p < model.half_spaces.size(); ++p) {
       const Index plane = n + static_cast<Index>(p);
       if (a.prescribed()) pairs.set(i, plane, a.carriage == model::Body::kStill ? Watch::no : Watch::apart);
-      if (pass(model, a.name, model.half_spaces[p].name)) pairs.set(i, plane, Watch::no);
+      if (pass(model.input.scene, a.name, model.half_spaces[p].name)) pairs.set(i, plane, Watch::no);
     }
   }
 }

@@ -1,7 +1,10 @@
 #include "effects/contact/start_gap.h"
 
 #include <algorithm>
+#include <set>
+#include <string>
 
+#include "effects/contact/named.h"
 #include "effects/roles.h"
 #include "geometry/bounds.h"
 #include "geometry/nearest_triangle.h"
@@ -9,34 +12,17 @@
 namespace mortise::effects::contact {
 namespace {
 
-bool names(const Params& list, const std::string& body) {
-  if (list.kind() == Params::Kind::text) return list.as_text() == body;
-  const std::vector<Params>& items = list.items();
-  return std::any_of(items.begin(), items.end(), [&](const Params& name) { return names(name, body); });
-}
-
-// {master, slave}, [a, b] or {bodies: [a, b, ...]}.
-bool is_of(const Params& pair, const std::string& a, const std::string& b) {
-  if (pair.kind() != Params::Kind::table) return names(pair, a) && names(pair, b);
-  if (pair.has("bodies")) return names(pair.at("bodies"), a) && names(pair.at("bodies"), b);
-  const std::string &slave = pair.text("slave"), &master = pair.text("master");
-  return (slave == a && master == b) || (slave == b && master == a);
-}
-
+// Between whom is there a gap that counts?
 class Meeting {
  public:
-  Meeting(const Params& effect, const Params& scene) : own_(effect.find("pairs")), all_(scene.find("pairs")) {
-    const Params& effects = scene.at("effects");
-    effects_ = &effects;
-    for (const std::string& tie : of_role(effects, Role::tie))
-      for (const Params& p : effects.at(tie).items()) ties_.push_back(&p);
+  Meeting(const Params& effect, const Params& scene) : scene_(scene), effects_(scene.at("effects")), listed_(effect.find("pairs")) {
+    for (std::size_t i = 0; listed_ && i < listed_->items().size(); ++i) pairs_.push_back(named(listed_->items()[i]));
+    for (const std::string& tie : of_role(effects_, Role::tie))
+      for (const Params& p : effects_.at(tie).items()) ties_.push_back(&p);
   }
   bool operator()(const std::string& a, const std::string& b) const {
-    if (held(a) && held(b)) return false;
-    const auto of_both = [&](const Params& pair) { return is_of(pair, a, b); };
-    if (own_ && std::none_of(own_->items().begin(), own_->items().end(), of_both)) return false;
-    if (all_ && all_->kind() == Params::Kind::list &&
-        std::any_of(all_->items().begin(), all_->items().end(), [&](const Params& pair) { return !pair.flag("collide") && of_both(pair); }))
+    if (pass(scene_, a, b) || (held(a) && held(b))) return false;
+    if (listed_ && std::none_of(pairs_.begin(), pairs_.end(), [&](const std::set<std::string>& pair) { return pair.count(a) && pair.count(b); }))
       return false;
     return std::none_of(ties_.begin(), ties_.end(), [&](const Params* tie) {
       const std::string& body = tie->text("body");
@@ -47,34 +33,31 @@ class Meeting {
  private:
   // Is all of it pinned?
   bool held(const std::string& body) const {
-    const std::vector<const Params*> pins = of_body(*effects_, Role::support, body);
+    const std::vector<const Params*> pins = of_body(effects_, Role::support, body);
     return std::any_of(pins.begin(), pins.end(), [](const Params* pin) {
       const Params* where = pin->find("where");
       return where && where->has("side") && where->text("side") == "all";
     });
   }
 
-  const Params *own_, *all_, *effects_;
+  const Params &scene_, &effects_, *listed_;
+  std::vector<std::set<std::string>> pairs_;  // that the effect lists
   std::vector<const Params*> ties_;
 };
 
-// Of the vertices of `a` to the surface of `b`, both only where the other is nearer than `upto`.
-double vertices_to_surface(const model::BodyInput& a, const model::BodyInput& b, double upto) {
-  geometry::Bounds near = geometry::bounds_of(b.nodes);
-  near.lo.array() -= upto, near.hi.array() += upto;
+// Of the vertices of `a` to the surface of `b`, which lies in a box, both only where the other is nearer than `upto`.
+double vertices_to_surface(const model::BodyInput& a, const model::BodyInput& b, const geometry::Bounds& box, double upto) {
+  const geometry::Bounds near = box.grown(upto);
   std::vector<Vec3> vertices;
-  geometry::Bounds there;
   for (const Vec3& x : a.nodes)
-    if ((x.array() >= near.lo.array()).all() && (x.array() <= near.hi.array()).all()) vertices.push_back(x), there.include(x);
-  if (vertices.empty()) return upto;
-  there.lo.array() -= upto, there.hi.array() += upto;
+    if (near.holds(x)) vertices.push_back(x);
+  const geometry::Bounds there = geometry::bounds_of(vertices).grown(upto);
   std::vector<Triangle> triangles;
   for (const Triangle& t : b.triangles) {
-    geometry::Bounds box;
-    for (const Index v : t.v) box.include(b.nodes[v]);
-    if ((box.hi.array() >= there.lo.array()).all() && (box.lo.array() <= there.hi.array()).all()) triangles.push_back(t);
+    geometry::Bounds own;
+    for (const Index v : t.v) own.include(b.nodes[v]);
+    if (own.meets(there)) triangles.push_back(t);
   }
-  if (triangles.empty()) return upto;
   const geometry::NearestTriangle surface(b.nodes, triangles);
   double least = upto;
   for (const Vec3& x : vertices) least = std::min(least, surface.distance(x));
@@ -85,12 +68,14 @@ double vertices_to_surface(const model::BodyInput& a, const model::BodyInput& b,
 
 double start_gap(const Params& effect, const model::ModelInput& input, const std::vector<const model::BodyInput*>& bodies, Index env, double upto) {
   const Meeting meet(effect, input.scene);
+  std::vector<geometry::Bounds> box;
+  for (const model::BodyInput* body : bodies) box.push_back(geometry::bounds_of(body->nodes));
   double least = upto;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const model::BodyInput& a = *bodies[i];
     for (std::size_t j = i + 1; j < bodies.size(); ++j)
-      if (const model::BodyInput& b = *bodies[j]; meet(a.name, b.name))
-        least = std::min({least, vertices_to_surface(a, b, upto), vertices_to_surface(b, a, upto)});
+      if (const model::BodyInput& b = *bodies[j]; box[i].meets(box[j].grown(upto)) && meet(a.name, b.name))
+        least = std::min({least, vertices_to_surface(a, b, box[j], upto), vertices_to_surface(b, a, box[i], upto)});
     for (const model::BodyInput& plane : input.bodies) {
       if (plane.type != model::BodyType::half_space || plane.env != env || !meet(a.name, plane.name)) continue;
       const Vec3 n = plane.params.vec3("normal").normalized(), o = plane.params.vec3("point");

@@ -68,13 +68,11 @@ std::vector<Vec2> clip(std::vector<Vec2> polygon, const Vec2 t[3]) {
   return polygon;
 }
 
-struct Box : geometry::Bounds {
-  Box(const model::BodyInput& body, const std::vector<Index>& face, double grow) {
-    for (int k = 0; k < 3; ++k) include(body.nodes[face[k]]);
-    lo.array() -= grow, hi.array() += grow;
-  }
-  bool meets(const Box& o) const { return (lo.array() <= o.hi.array()).all() && (o.lo.array() <= hi.array()).all(); }
-};
+geometry::Bounds box_of(const model::BodyInput& body, const std::vector<Index>& face) {
+  geometry::Bounds out;
+  for (int k = 0; k < 3; ++k) out.include(body.nodes[face[k]]);
+  return out;
+}
 
 // One point of quadrature, on both sides.
 struct Point {
@@ -158,8 +156,8 @@ Side side_of(const model::BodyInput& body, const std::vector<Index>& nodes) {
 }
 
 std::vector<Row> rows(const Side& slave, const Side& master, double reach, const SourceLoc& at) {
-  std::vector<Box> boxes;
-  for (const auto& f : master.faces) boxes.emplace_back(*master.body, f, reach);
+  std::vector<geometry::Bounds> boxes;
+  for (const auto& f : master.faces) boxes.push_back(box_of(*master.body, f).grown(reach));
   struct Slave {
     double c = 0;
     std::map<Index, double> terms;       // c w
@@ -169,7 +167,7 @@ std::vector<Row> rows(const Side& slave, const Side& master, double reach, const
   std::map<Index, std::array<Index, 2>> middle;  // node in the middle of an edge: its ends
   for (const auto& face : slave.faces) {
     const Plane plane(*slave.body, face);
-    const Box box(*slave.body, face, 0);
+    const geometry::Bounds box = box_of(*slave.body, face);
     std::vector<std::size_t> near;
     for (std::size_t f = 0; f < boxes.size(); ++f)
       if (box.meets(boxes[f])) near.push_back(f);
