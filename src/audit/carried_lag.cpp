@@ -22,7 +22,7 @@ void CarriedLag::set_off(std::size_t i, Carried& c, const Vec3& changed, double 
   Eigen::Map<Vec3>(c.along) = h * v, c.steps = 1;
 }
 
-double CarriedLag::lag(std::size_t i, const std::vector<MovingBody>& bodies, double h) {
+double CarriedLag::lag(std::size_t i, const std::vector<MovingBody>& bodies, double h, long steps) {
   const MovingBody& b = bodies[i];
   Carried& c = carried_[i];
   const bool squeezed = b.push.isZero();
@@ -35,17 +35,20 @@ double CarriedLag::lag(std::size_t i, const std::vector<MovingBody>& bodies, dou
   if (b.free && !squeezed) there = b.across_push(there), v = b.across_push(v);
   if (c.by != static_cast<double>(*by) || turns.norm() > std::max(tuning::kStill * there.norm(), hardly(i, h))) {
     ways_.restart(i, v);
-    c = {.by = static_cast<double>(*by)};
+    c = {.by = static_cast<double>(*by), .onset = SlipOnset(steps <= 2)};
     return 0;
   }
   // How fast pinned bodies start nobody knows: as if the first step had been like the second.
   if (!b.free && c.steps == 0) ways_.restart(i, 2 * ways_.v0(i) - v);
   using Vector = Eigen::Map<Vec3>;
   const Vec3 changed = there - Vector(c.there);
+  if (b.free && (c.steps > 0 || steps <= 3)) c.onset.step(changed, changed + v - Vector(c.v), v, h);
   set_off(i, c, changed, h);
   Vector way(c.carrier), along(c.along);
   way += h * there, along += h * v;
-  const double lag = ways_.lag(i, along, v, h, static_cast<long>(++c.steps));
+  const double of_onset = c.onset.ahead().norm();
+  c.far = std::max(c.far, (along - c.onset.ahead()).norm());
+  const double lag = std::max(ways_.lag(i, along, v, h, static_cast<long>(++c.steps)), of_onset / std::max(c.far, ways_.least(i)));
   c.changed_before = at(c.changed, 0).norm();
   Vector(c.before) = at(c.v, 0), Vector(c.v) = v, Vector(c.there) = there, Vector(c.changed) = changed;
   return c.lag = way.norm() > ways_.far(i) ? lag : 0;

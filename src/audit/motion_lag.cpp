@@ -38,7 +38,7 @@ void MotionLag::state(const std::vector<double>& points, const std::vector<Movin
     for (int a = 0; a < 3; ++a) turned_[3 * i + a] += step_ * w[a];
     const double of_centre = centres_.lag(i, x - at(start_, i), v, step_, steps_), of_turning = turns_.lag(i, at(turned_, i), w, step_, steps_);
     if (bodies[i].led) continue;
-    value_ = std::max({value_, of_centre, of_turning, carried_.lag(i, bodies, step_)});
+    value_ = std::max({value_, of_centre, of_turning, carried_.lag(i, bodies, step_, steps_)});
     const bool comes = v.dot(x - at(start_, i)) < 0;
     if (comes && comes_[i] == 0 && asked_.count(bodies[i].body.name)) turned_back_ = std::fmax(turned_back_, of_centre);
     comes_[i] = comes;

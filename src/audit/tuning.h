@@ -125,10 +125,13 @@ inline constexpr double kTrembles = 1e-3;         // of a stiff body's radius: b
 inline constexpr double kShownBySwing = 0.6;      // of the most elastic energy: beside that a smaller one of motion is nothing (swing_loss.cpp)
 inline constexpr double kOneSided = 0.5;          // of the forces on a body: what is pressed from both sides lies on neither (moving_body.cpp)
 inline constexpr double kSlips = 0.02;            // of the fastest slip of a body: slower it sticks (slip_reversal.cpp)
+inline constexpr double kSetsIn = 0.5;            // of an acceleration, in three steps: that of a carrier jumps (slip_onset.cpp)
+inline constexpr double kStuck = 0.1;             // of that jump: by so much the accelerations of what sticks may differ from the carrier's
 inline constexpr double kSetsOff = 4;             // times the changes of velocity beside it: what a carrier's speed jumps by (carried_lag.cpp)
-inline constexpr double kShakes = 1e-6;           // of a body's size, in a step: less of what moves under it is rounding (to_and_fro_loss.cpp)
-inline constexpr double kHardly = 1e-3;           // of the least way, in a step: what bodies on joints give (carried_lag.cpp)
-inline constexpr double kCarriedStill = 0.1;      // of a body's size: less is no way along what carries it that anybody looks at (carried_lag.cpp)
+inline constexpr double kShakes =
+    1e-6;  // of a body's size, in a step: less of what moves under it is rounding (to_and_fro_loss.cpp, slip_reversal.cpp)
+inline constexpr double kHardly = 1e-3;       // of the least way, in a step: what bodies on joints give (carried_lag.cpp)
+inline constexpr double kCarriedStill = 0.1;  // of a body's size: less is no way along what carries it that anybody looks at (carried_lag.cpp)
 // Errors of the ways of four gaits at 2.5 to 10 ms were 1.3 to 7 times the sums without these, most 3 to 4 with backward Euler, and 1 to 10 times
 // with bdf2 (walking_lag.cpp).
 inline constexpr double kWalksDamped = 3, kWalks = 7;
