@@ -22,6 +22,7 @@ namespace {
 
 constexpr double kArrowLength = 0.125;  // of the longest arrow of traction, in heights of what the picture shows at the distance of look_at
 constexpr double kLeastArrow = 0.02;    // shorter ones, in the longest, are left out: dots that say nothing
+constexpr double kSquare = 0.2;         // edge of the squares on slopes, in the diagonal of all that is drawn at the start
 constexpr double kCrease = 0.7;         // [rad] sharper edges of simulation surfaces are drawn sharp
 
 Vec3 linear(const Vec3& srgb) { return {linear_of_srgb(srgb[0]), linear_of_srgb(srgb[1]), linear_of_srgb(srgb[2])}; }
@@ -131,6 +132,9 @@ GroundPlane ground_of(const Params& body) {
   return g;
 }
 
+// Only what is drawn on a slope shows that it is one.
+bool slopes(const GroundPlane& g) { return g.normal.cwiseAbs().maxCoeff() < 1 - 1e-6; }
+
 ColourBar bar_of(const Params& camera, double low, double high) {
   ColourBar bar{camera.text("colour_by"), "", low, high, 1};
   std::replace(bar.label.begin(), bar.label.end(), '_', ' ');
@@ -147,6 +151,7 @@ SceneView::SceneView(const Params& scene, const std::vector<model::BodyInput>& b
     : render_(scene.has("render") ? scene.at("render") : Params::make_table()) {
   if (const Params* cameras = render_.find("cameras"))
     for (const auto& [name, camera] : cameras->entries()) cameras_.push_back(name);
+  Eigen::AlignedBox3d box;
   for (const model::BodyInput& input : bodies) {
     labels_.push_back({static_cast<int>(labels_.size()) + 1, input.name, input.params.text("type")});
     if (input.type == model::BodyType::half_space) {
@@ -163,7 +168,10 @@ SceneView::SceneView(const Params& scene, const std::vector<model::BodyInput>& b
     bodies_.back()->id = labels_.back().id;
     bodies_.back()->first = points_;
     points_ += input.nodes.size();
+    for (const Vec3& x : input.nodes) box.extend(x);
   }
+  for (auto& [name, plane] : planes_)
+    if (slopes(plane) && !box.isEmpty()) plane.checker = kSquare * box.diagonal().norm();
 }
 
 SceneView::~SceneView() = default;

@@ -93,6 +93,11 @@ BarBox bar_box(int width, int height) {
   return {width - static_cast<int>(height * 0.14) - w, static_cast<int>(height * 0.22), w, static_cast<int>(height * 0.56)};
 }
 
+void draw_label(Image& image, const std::string& text, double x, double y, double size) {
+  const int left = static_cast<int>(x), bottom = static_cast<int>(y);
+  write(image, text, x, y, size, ink_for(image, left, static_cast<int>(y - size), left + static_cast<int>(text_width(text, size)), bottom));
+}
+
 void draw_overlays(Image& image, const RenderJob& job) {
   for (const Arrow& a : job.arrows) {
     const std::optional<Vec2> from = project(job, a.from), to = project(job, a.to);
@@ -102,9 +107,7 @@ void draw_overlays(Image& image, const RenderJob& job) {
   if (job.bar) draw_bar(image, *job.bar);
   if (job.caption.empty()) return;
   const double size = std::max(10.0, image.height * 0.030);
-  const int x = static_cast<int>(size * 1.1), y = static_cast<int>(image.height - size * 1.1);
-  const Ink ink = ink_for(image, x, static_cast<int>(y - size), x + static_cast<int>(text_width(job.caption, size)), y);
-  write(image, job.caption, x, y, size, ink);
+  draw_label(image, job.caption, std::floor(size * 1.1), std::floor(image.height - size * 1.1), size);
 }
 
 }  // namespace mortise::render

@@ -19,6 +19,9 @@ struct BarBox {
 };
 BarBox bar_box(int width, int height);
 
+// Text that can be read on any ground, its baseline at (x, y).
+void draw_label(Image& image, const std::string& text, double x, double y, double size);
+
 // Draws caption and colour bar over a finished picture.
 void draw_overlays(Image& image, const RenderJob& job);
 

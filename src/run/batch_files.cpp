@@ -35,10 +35,10 @@ void write_episodes(const Params& scene, const std::string& folder, const std::v
 }
 
 void draw_grid(const std::string& folder, const std::vector<EnvironmentEnd>& ends) {
-  std::vector<std::string> folders;
-  for (const EnvironmentEnd& e : ends)
-    if (!e.runs.empty()) folders.push_back(e.runs.front() + "/frames");
-  draw_side_by_side(folders, folder + "/frames");
+  std::vector<Tile> tiles;
+  for (std::size_t e = 0; e < ends.size(); ++e)
+    if (!ends[e].runs.empty()) tiles.push_back({ends[e].runs.front() + "/frames", std::to_string(e)});
+  draw_side_by_side(tiles, folder + "/frames");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "render/image.h"
+#include "render/overlay.h"
 #include "run/folder.h"
 
 namespace fs = std::filesystem;
@@ -33,21 +34,21 @@ std::string camera_of(const std::string& name) { return name.substr(0, name.rfin
 
 }  // namespace
 
-void draw_side_by_side(const std::vector<std::string>& folders, const std::string& to) {
+void draw_side_by_side(const std::vector<Tile>& tiles, const std::string& to) {
   std::set<std::string> names;
   std::error_code ec;
-  for (const std::string& folder : folders)
-    for (fs::directory_iterator it(folder, ec), end; !ec && it != end; it.increment(ec))
+  for (const Tile& tile : tiles)
+    for (fs::directory_iterator it(tile.folder, ec), end; !ec && it != end; it.increment(ec))
       if (it->path().extension() == ".png" && render::is_color_png(it->path().string())) names.insert(it->path().filename().string());
   if (names.empty()) return;
   make_pictures_folder(to);
-  const int columns = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(folders.size())))),
-            rows = (static_cast<int>(folders.size()) + columns - 1) / columns;
+  const int columns = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(tiles.size())))),
+            rows = (static_cast<int>(tiles.size()) + columns - 1) / columns;
   render::Image all;
   std::string camera;
   for (const std::string& name : names) {
-    for (std::size_t i = 0; i < folders.size(); ++i) {
-      const std::string path = folders[i] + "/" + name;
+    for (std::size_t i = 0; i < tiles.size(); ++i) {
+      const std::string path = tiles[i].folder + "/" + name;
       if (!fs::exists(path, ec)) continue;
       const render::Image one = render::read_png(path);
       const int width = std::max(one.width / columns, 1), height = std::max(one.height / columns, 1);
@@ -55,8 +56,11 @@ void draw_side_by_side(const std::vector<std::string>& folders, const std::strin
         camera = camera_of(name);
         all = {columns * width, rows * height, std::vector<std::uint8_t>(3ul * columns * width * rows * height, 255)};
       }
-      if (columns * width == all.width && rows * height == all.height)
-        shrink(one, all, static_cast<int>(i) % columns * width, static_cast<int>(i) / columns * height, width, height);
+      if (columns * width != all.width || rows * height != all.height) continue;
+      const int left = static_cast<int>(i) % columns * width, top = static_cast<int>(i) / columns * height;
+      shrink(one, all, left, top, width, height);
+      const double size = std::max(10.0, height * 0.08);
+      render::draw_label(all, tiles[i].label, left + 0.4 * size, top + 1.2 * size, size);
     }
     guard_picture(to + "/" + name);
     render::write_png(to + "/" + name, all);

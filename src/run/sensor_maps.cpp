@@ -33,8 +33,29 @@ void draw_shear_scale(render::Image& image, int left, double pixels_per_pascal) 
   constexpr double kLongest = 90, kSize = 16;  // pixels
   const double shear = round_down(kLongest / pixels_per_pascal);
   const auto [unit, scale] = render::pressure_unit(shear);
-  render::draw_arrow(image, left, kHeight - 70, shear * pixels_per_pascal, 0);
-  render::draw_text(image, fmt::format("shear  {:g} {}", shear * scale, unit), left, kHeight - 44, kSize, kText);
+  render::draw_arrow(image, left, kHeight - 84, shear * pixels_per_pascal, 0);
+  render::draw_text(image, fmt::format("shear  {:g} {}", shear * scale, unit), left, kHeight - 60, kSize, kText);
+}
+
+// Where it is in the sensor's frame, x across and y upwards from the middle of the grid: ticks below it and on its left.
+void draw_axes(render::Image& image, const sensors::GridSpec& spec, int wide, int high) {
+  constexpr double kSize = 13;  // pixels
+  const double longer = std::max(spec.width, spec.height);
+  const auto [unit, scale] = longer >= 1 ? std::pair{"m", 1.0} : longer >= 1e-3 ? std::pair{"mm", 1e3} : std::pair{"um", 1e6};
+  const int bottom = kMargin + high;
+  double end = 0;  // of the label before
+  for (const auto& [value, label] : render::ticks(-0.5 * spec.width * scale, 0.5 * spec.width * scale)) {
+    const double x = kMargin + wide * (0.5 + value / (spec.width * scale)), left = x - 0.5 * render::text_width(label, kSize);
+    for (int i = 0; i < 5; ++i) put(image, static_cast<int>(x), bottom + i, kText);
+    if (left > end) render::draw_text(image, label, left, bottom + 17, kSize, kText), end = left + render::text_width(label, kSize) + 4;
+  }
+  for (const auto& [value, label] : render::ticks(-0.5 * spec.height * scale, 0.5 * spec.height * scale)) {
+    const double y = kMargin + high * (0.5 - value / (spec.height * scale));
+    for (int i = 1; i < 6; ++i) put(image, kMargin - i, static_cast<int>(y), kText);
+    render::draw_text(image, label, kMargin - 8 - render::text_width(label, kSize), y + 0.35 * kSize, kSize, kText);
+  }
+  render::draw_text(image, fmt::format("x  [{}]", unit), kMargin + wide + 8, bottom + 17, kSize, kText);
+  render::draw_text(image, fmt::format("y  [{}]", unit), 8, kMargin - 14, kSize, kText);
 }
 
 render::Image map_of(const sensors::GridSpec& spec, const sensors::Reading& r, double low, double high_end, double shear_low, double shear_high) {
@@ -52,6 +73,7 @@ render::Image map_of(const sensors::GridSpec& spec, const sensors::Reading& r, d
       const std::uint8_t* colour = &colours[3 * static_cast<std::size_t>(std::lround(255 * fraction))];
       put(image, kMargin + x, kMargin + y, r.area[taxel] > 0 ? colour : kNothing);
     }
+  draw_axes(image, spec, wide, high);
   if (!(shear_high > 0)) return image;
   // The longest arrow goes one and a half taxels far.
   const double length = 1.5 * std::min(static_cast<double>(wide) / spec.columns, static_cast<double>(high) / spec.rows) / shear_high;  // per pascal

@@ -89,6 +89,12 @@ TEST_F(SceneViewTest, CamerasTakeTheirBlocks) {
   EXPECT_TRUE(map.planes.empty());
 }
 
+TEST_F(SceneViewTest, OnlySlopesAreChequered) {
+  EXPECT_EQ(SceneView(root, bodies).job("all", fields, "").planes[0].checker, 0);
+  bodies[2].params.set("normal", Params::make_list({Params::make_number(0.3), Params::make_number(0), Params::make_number(1)}));
+  EXPECT_GT(SceneView(root, bodies).job("all", fields, "").planes[0].checker, 0.1);
+}
+
 TEST_F(SceneViewTest, ColourBarsSpeakTheirUnit) {
   SceneView view(root, bodies);
   const RenderJob map = view.job("map", fields, "");

@@ -16,6 +16,9 @@ void attribute(GLuint buffer, GLuint location, int components, int vertices, con
   glEnableVertexAttribArray(location);
 }
 
+// Level, where the plane is a slope and z points upwards.
+V3 along(V3 normal) { return std::abs(normal[2]) < 0.999f ? unit(cross({0, 0, 1}, normal)) : perpendicular(normal); }
+
 }  // namespace
 
 void Painter::upload(const MortiseRenderJob& job) {
@@ -37,7 +40,7 @@ void Painter::upload(const MortiseRenderJob& job) {
   }
   for (int i = 0; i < job.planes; ++i) {
     const MortiseRenderPlane& plane = job.plane[i];
-    const V3 n = vec(plane.normal), u = perpendicular(n), v = cross(n, u), c = vec(job.centre);
+    const V3 n = vec(plane.normal), u = along(n), v = cross(n, u), c = vec(job.centre);
     const V3 foot = c - dot(c - vec(plane.point), n) * n;  // the part of the plane nearest to the scene
     // Divided, so that interpolated positions stay accurate next to the camera.
     constexpr int cells = 16;
@@ -116,6 +119,7 @@ void Painter::draw_planes(const MortiseRenderJob& job, const Program* material) 
     if (material != nullptr) {
       material->set("colour_factor", vec(job.plane[i].colour));
       material->set("checker", job.plane[i].checker);
+      material->set("plane_point", vec(job.plane[i].point));
       material->set("plane_u", plane_axes_[i][0]);
       material->set("plane_v", plane_axes_[i][1]);
     }

@@ -123,7 +123,7 @@ in vec3 world; in vec3 world_normal; in vec2 texel; in float value;
 uniform vec3 colour_factor, up, key_direction, fill_direction, rim_direction, centre;
 uniform float roughness, metallic, radius;
 uniform int has_texture, has_scalar;
-uniform float checker; uniform vec3 plane_u, plane_v;
+uniform float checker; uniform vec3 plane_point, plane_u, plane_v;
 uniform sampler2D base; uniform sampler2D colour_map; uniform sampler2D occlusion;
 uniform sampler2DShadow shadow;
 uniform mat4 light;
@@ -181,7 +181,7 @@ void main() {
   vec3 albedo = colour_factor;
 #if PLANE
   if (checker > 0.0) {
-    vec2 q = vec2(dot(world - centre, plane_u), dot(world - centre, plane_v)) / checker;
+    vec2 q = vec2(dot(world - plane_point, plane_u), dot(world - plane_point, plane_v)) / checker;
     vec2 w = max(fwidth(q), vec2(1e-4));
     // Box-filtered square wave: the integral of the sign pattern over a pixel.
     vec2 i = 2.0 * (abs(fract((q - 0.5 * w) * 0.5) - 0.5) - abs(fract((q + 0.5 * w) * 0.5) - 0.5)) / w;
