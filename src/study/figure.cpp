@@ -75,11 +75,16 @@ class Panel {
       if (!p.failed && std::isfinite(p.error)) ys.push_back(std::max({p.error, band_ / 4, tuning::kRounding}));
     }
     if (band_ > 0) ys.push_back(1.5 * band_);
+    empty_ = xs.empty();
     x_ = Axis(xs, left_, left_ + kPlotWidth), y_ = Axis(ys, top_ + kPlotHeight, top_);
   }
 
   void draw(Canvas& c) const {
     const double right = left_ + kPlotWidth, bottom = top_ + kPlotHeight;
+    if (empty_) {
+      frame(c);
+      return c.text({left_ + 0.5 * kPlotWidth, top_ + 0.5 * kPlotHeight}, "no run to compare with the reference", kText, Anchor::middle, kGrey);
+    }
     if (band_ > 0) {
       const double at = std::clamp(y_.at(band_), top_, bottom);
       c.shape({{left_, at}, {right, at}, {right, bottom}, {left_, bottom}}, kBand, 0.7, nullptr, "below the uncertainty of the reference");
@@ -94,17 +99,23 @@ class Panel {
     }
     front(c);
     for (const Style& s : styles_) curve(c, s);
-    c.line({{left_, top_}, {left_, bottom}, {right, bottom}, {right, top_}, {left_, top_}}, {kBlack, 1});
+    frame(c);  // over what lies on it
     const Reference& ref = r_.references[q_];
-    c.text({left_ + 0.5 * kPlotWidth, top_ - 11}, shortened(r_.study.quantities[q_].name, kPlotWidth + kLeft - 20, 13), 13, Anchor::middle, kBlack,
-           false, true);
     c.text({left_ + 0.5 * kPlotWidth, bottom + 38}, r_.device == "cuda" ? "seconds" : "CPU seconds", kText, Anchor::middle, kBlack);
     c.text({left_ - 56, top_ + 0.5 * kPlotHeight}, ref.relative ? "relative error" : "error", kText, Anchor::middle, kBlack, true);
   }
 
-  bool has_band() const { return band_ > 0; }
+  bool has_band() const { return !empty_ && band_ > 0; }
 
  private:
+  // Outline and name.
+  void frame(Canvas& c) const {
+    const double right = left_ + kPlotWidth, bottom = top_ + kPlotHeight;
+    c.line({{left_, top_}, {left_, bottom}, {right, bottom}, {right, top_}, {left_, top_}}, {kBlack, 1});
+    c.text({left_ + 0.5 * kPlotWidth, top_ - 11}, shortened(r_.study.quantities[q_].name, kPlotWidth + kLeft - 20, 13), 13, Anchor::middle, kBlack,
+           false, true);
+  }
+
   static std::string shortened(std::string text, double width, double size) {
     if (text_width(text, size) <= width) return text;
     while (text.size() > 4 && text_width(text + "…", size) > width) {
@@ -166,6 +177,7 @@ class Panel {
   std::size_t q_;
   const std::vector<Style>& styles_;
   double left_, top_, band_ = 0;
+  bool empty_ = false;  // every run is the reference
   Axis x_, y_;
 };
 

@@ -243,6 +243,18 @@ TEST(Compare, OfCombinationsTheLimitOfLimitsCounts) {
   EXPECT_THAT(k.results.references[0].how, HasSubstr("of the curve 't=1'"));
 }
 
+// Two equal runs: an empty frame with numbers from 1 to 10 stood there.
+TEST(Figure, SaysWhereThereIsNothingToCompare) {
+  Results r;
+  r.study.quantities.resize(1), r.study.quantities[0].name = "work";
+  r.references = {{0, 0, 1, false, ""}};
+  r.points = {point("runs", 1, 0), point("runs", 2, 0)};
+  for (Point& p : r.points) p.reference = true;
+  const std::string svg = figure_svg(r);
+  EXPECT_THAT(svg, HasSubstr(">no run to compare with the reference<"));
+  EXPECT_THAT(svg, testing::Not(HasSubstr("CPU seconds")));
+}
+
 TEST(Figure, ShowsCurvesFrontAndWhatIsBelowTheReference) {
   Results r;
   r.study.quantities.resize(2), r.study.quantities[0].name = "p<q", r.study.quantities[1].name = "other";
