@@ -244,7 +244,7 @@ std::string Checks::add_to(const std::string& certificate, const std::vector<Ver
     Json value = nullptr;
     if (!v.found.empty()) value = v.found;
     if (std::isfinite(v.value)) value = v.value;
-    j["criteria"].push_back({{"criterion", v.text}, {"value", value}, {"pass", v.pass}});
+    j["criteria"].push_back({{"criterion", v.text}, {"value", v.reached ? value : nullptr}, {"pass", v.reached ? Json(v.pass) : nullptr}});
   }
   return json_text(j, 1) + "\n";
 }

@@ -34,6 +34,7 @@ class Checks {
     double value = NAN;  // the worst, or the one asked for; NaN: none was measured
     std::string found;   // of an outcome
     bool pass = false;
+    bool reached = true;  // else the run ended before there was anything to judge
   };
   std::vector<Verdict> verdicts(Exit status, const std::string& message) const;
 

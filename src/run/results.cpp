@@ -127,27 +127,26 @@ void Results::checkpoint(Archive& archive) {
   if (drawn && sensor_maps_) sensor_maps_->checkpoint(maps);
 }
 
-// Without those of checks that begin later than a good run was ended, by --frames or a partner, or that are of the end, which --frames cut off: they
-// say nothing of it, and are told to `note`.
+// Checks that begin later than the run ended (by --frames, a partner, a signal or a failure), or that are of an end it was cut off from, are not
+// reached: they say nothing of it. Of a good run they are told to `note`.
 std::vector<audit::Checks::Verdict> Results::verdicts(const End& end, const std::function<void(const std::string&)>& note) const {
-  std::vector<audit::Checks::Verdict> all = checks_.verdicts(end.status, end.message), out;
+  std::vector<audit::Checks::Verdict> all = checks_.verdicts(end.status, end.message);
   const double until = record_.steps.empty() ? 0 : record_.steps.back().time;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Params &check = scene_.at("checks").items()[i], *from = check.find("from"), *to = check.find("until"), *when = check.find("when");
     const bool begun = !from || until > from->as_number() + 1e-9;
-    const bool cut = options_.frames >= 0 && static_cast<long>(record_.steps.size()) < scene_.at("time").integer("steps");
+    const bool cut =
+        (options_.frames >= 0 || end.status != Exit::done) && static_cast<long>(record_.steps.size()) < scene_.at("time").integer("steps");
     const bool ended = !cut || !when || when->as_text() != "end" || (to && until > to->as_number() - 1e-9);
-    if (end.status == Exit::done && ((!begun && !std::isfinite(all[i].value)) || !ended))
-      note(fmt::format("check not reached: {}; the run ended at {:.6g} s", all[i].text, until));
-    else
-      out.push_back(std::move(all[i]));
+    all[i].reached = (begun || std::isfinite(all[i].value)) && ended;
+    if (end.status == Exit::done && !all[i].reached) note(fmt::format("check not reached: {}; the run ended at {:.6g} s", all[i].text, until));
   }
-  return out;
+  return all;
 }
 
 void Results::finish(End& end, const std::function<void(const std::string&)>& note, const std::function<void(const std::string&)>& tell) {
   const std::vector<audit::Checks::Verdict> verdicts = this->verdicts(end, note);
-  const auto failed = std::count_if(verdicts.begin(), verdicts.end(), [](const audit::Checks::Verdict& v) { return !v.pass; });
+  const auto failed = std::count_if(verdicts.begin(), verdicts.end(), [](const audit::Checks::Verdict& v) { return v.reached && !v.pass; });
   if (end.status == Exit::done && failed > 0) end.status = Exit::checks, end.message = fmt::format("{} of {} checks failed", failed, verdicts.size());
   const std::string name = scene_.text("name");
   auto [grade, certificate] = certificate_.write({name, hash_, record_.device.kind, end.status, end.message, checks_.energy(), end.estimated.worst});
@@ -155,7 +154,7 @@ void Results::finish(End& end, const std::function<void(const std::string&)>& no
   if (!end.estimated.json.empty()) certificate = audit::with_error_budget(certificate, end.estimated.json);
   output::write_file_atomically(folder_.file("certificate.json"), audit::Checks::add_to(certificate, verdicts), true);
   for (const audit::Checks::Verdict& v : verdicts)
-    if (!v.pass) tell(fmt::format("check failed: {}; it is {}", v.text, v.found.empty() ? fmt::format("{:.6g}", v.value) : v.found));
+    if (v.reached && !v.pass) tell(fmt::format("check failed: {}; it is {}", v.text, v.found.empty() ? fmt::format("{:.6g}", v.value) : v.found));
   if (file_ && file_->can_flush()) file_->flush();
   if (end.status == Exit::done && certificate_.nothing_touched()) note("warning: nothing touched at any time, so that contact had nothing to do");
   if (whole_ && (end.status == Exit::done || end.status == Exit::checks))

@@ -120,7 +120,8 @@ class Checks {
     if (q->body && !body && !bodies && !incomplete_.count(path)) errors_.add(c.where(), path + " names no body", "give it body or bodies");
     if (from && until && !(from->as_number() < until->as_number())) errors_.add(until->where(), path + ".until must be later than its from");
     if (from && !(from->as_number() < end_ * (1 - 1e-9)))
-      errors_.add(from->where(), path + ".from: the scene ends at " + format_number(end_) + " s, and nothing is measured after that");
+      errors_.add(from->where(), path + ".from: the scene ends at " + format_number(end_) + " s, and nothing is measured after that",
+                  "--frames N ends a run earlier without a change of the scene, and leaves such checks undecided");
     needs(*q, *name, path);
     if (q->name == std::string("energy_gain")) without({"pressure_load"}, *name, path, "which does work that is not counted");
     if (q->name == std::string("momentum_drift")) without({"gravity", "pin", "pressure_load"}, *name, path, "which changes momentum");

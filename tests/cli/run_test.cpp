@@ -12,6 +12,7 @@
 
 #include "output/field_reader.h"
 #include "process.h"
+#include "render/image.h"
 
 namespace fs = std::filesystem;
 
@@ -67,9 +68,13 @@ TEST(Run, ChecksThatFramesDoNotReachDoNotFail) {
   EXPECT_EQ(early.code, 0) << early.err;
   EXPECT_THAT(early.err, testing::HasSubstr("check not reached: position of block (z), from 0.02 s below 1; the run ended at"));
   EXPECT_THAT(early.err, testing::HasSubstr("check not reached: position of block (z), end"));
+  const auto criteria = nlohmann::json::parse(read_text(out.path + "/certificate.json")).at("criteria");
+  ASSERT_EQ(criteria.size(), 2u);
+  for (const auto& c : criteria) EXPECT_TRUE(c.at("pass").is_null() && c.at("value").is_null()) << c;
   const Result late = mortise("check " + kScene + " --set 'checks=[{quantity: position, body: block, axis: z, from: 30 s, below: 1}]'");
   EXPECT_EQ(late.code, 3);
   EXPECT_THAT(late.err, testing::HasSubstr("checks.0.from: the scene ends at"));
+  EXPECT_THAT(late.err, testing::HasSubstr("--frames N ends a run earlier"));
 }
 
 // A block that stands 6 m above its floor, where 6 mm was meant, said nothing of that.
@@ -409,6 +414,8 @@ TEST(Run, SensorsAreDrawnAsOftenAsTheSceneSaysAndAgainFromTheFields) {
   ASSERT_EQ(r.code, 0) << r.err;
   EXPECT_EQ(pictures(run + "/frames"), (std::set<std::string>{"sensor_skin_0000.png", "sensor_skin_0002.png", "sensor_skin_0004.png"}));
   const std::string drawn = read_text(run + "/frames/sensor_skin_0004.png");
+  const render::Image map = render::read_png(run + "/frames/sensor_skin_0004.png");
+  EXPECT_EQ(std::vector<int>(map.at(45, 270), map.at(45, 270) + 3), (std::vector<int>{34, 37, 42})) << "y = 0, a tick on the left of the middle";
   const auto redraw = [&](const std::string& flags, const std::string& name) {
     const Result again = mortise("render " + scene + " " + run + "/fields.vtkhdf -o " + out.path + "/" + name + " " + flags);
     EXPECT_EQ(again.code, 0) << again.err;

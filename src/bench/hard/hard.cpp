@@ -98,7 +98,8 @@ std::string read_certificate(const std::string& dir, const Case& asked, const En
   if (row.residual > 1) say(row.unsafe = fmt::format("a step ended at {:.3g} times its tolerance", row.residual));
   for (const Json& c : j.value("criteria", Json::array())) {
     const std::string text = c["criterion"];
-    if (c["pass"].get<bool>() || (!row.missed.empty() && c["value"].is_null())) continue;  // what rightly stopped at once measured nothing
+    if (c["pass"].is_null() || c["pass"].get<bool>() || (!row.missed.empty() && c["value"].is_null()))
+      continue;  // what rightly stopped at once measured nothing
     const std::string miss = text + ": " +
                              (c["value"].is_number()   ? fmt::format("{:.4g}", c["value"].get<double>())
                               : c["value"].is_string() ? c["value"].get<std::string>()
