@@ -1,4 +1,5 @@
 // mortise check: every error of a scene at once.
+#include <algorithm>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -64,18 +65,22 @@ int cmd_check(const CheckOptions& o) {
   if (!o.quick && environments == 0) check_run(scene.root, "", warned);
   if (environments > 0 && !o.quick) engine::keep_meshes(scene.root);
   const Params* reset = environments > 0 ? scene.root.at("environments").find("reset") : nullptr;
+  const std::vector<Params> resets = reset ? reset->items() : std::vector<Params>();
+  const bool goes_on = std::any_of(resets.begin(), resets.end(), [](const Params& c) { return c.has("failure"); });
+  long failed = 0;
   for (long e = 0; e < environments; ++e) {
     const std::string called = "environment " + std::to_string(e) + ": ";
     const scene::Scene one = scene::environment_of(scene, o.overrides, tables, e);
     if (o.quick) continue;
     try {
-      check_run(one.root, called, warned, reset ? reset->items() : std::vector<Params>());
+      check_run(one.root, called, warned, resets);
     } catch (const Error& error) {
       std::string text = error.what();
       if (text.starts_with(called)) throw;
       const std::string mark = ": error: ";
       text.insert(error.located() ? text.find(mark) + mark.size() : 0, called);
-      throw Error(error.code(), text, error.located());
+      if (!goes_on || error.code() != Exit::scene || ++failed == environments) throw Error(error.code(), text, error.located());
+      std::cerr << "warning: a start that fails, after which the environment is reset:\n" << text << "\n";
     }
   }
   std::cout << (o.scene == "-" ? "<stdin>" : o.scene) << ": valid: " << summary(scene.root)

@@ -43,7 +43,7 @@ Start start_of(const model::ModelInput& input) {
 std::unique_ptr<engine::Engine> check_start(const Params& scene, const model::ModelInput& input, const std::vector<Params>& resets) {
   auto [engine, points, start] = start_of(input);
   Complaints wrong;
-  wrong.gather([&] { ResetWatch(resets, input).check(scene, start); });
+  wrong.gather([&] { ResetWatch(resets, input).check(start); });
   wrong.gather([&] { check_quantities(input, start); });
   wrong.raise();
   if (scene.has("render") && scene.at("output").flag("pictures")) {
@@ -63,7 +63,7 @@ void check_reported(const Params& scene, const std::vector<std::string>& scalars
     return;
   }
   for (const std::string& scalar : scalars)
-    if (!may_report(scalar, scene, start)) not_reported(where, what, scalar, start);
+    if (!may_report(scalar, scene, start)) not_reported(where, what, scalar, scene, start);
 }
 
 }  // namespace mortise::run

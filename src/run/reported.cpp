@@ -20,14 +20,19 @@ namespace mortise::run {
 
 namespace {
 
-// One of these names, and what scalars of ties, motors, supports and balances go on with.
+// What scalars of ties, motors, supports and balances end with.
+const std::set<std::string>& ends() {
+  static const std::set<std::string> all{"x",        "y",           "z",       "defect",  "force",   "torque",   "target",   "error",
+                                         "power",    "drag",        "rate",    "angle",   "travel",  "stop",     "coupling", "beside",
+                                         "error_mm", "mimic_error", "force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z",
+                                         "place_x",  "place_y",     "place_z", "guide_x", "guide_y", "guide_z"};
+  return all;
+}
+
+// One of these names, and such an end.
 bool of_any(const std::string& leaf, const std::vector<std::string>& names) {
-  static const std::set<std::string> ends{"x",        "y",           "z",       "defect",  "force",   "torque",   "target",   "error",
-                                          "power",    "drag",        "rate",    "angle",   "travel",  "stop",     "coupling", "beside",
-                                          "error_mm", "mimic_error", "force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z",
-                                          "place_x",  "place_y",     "place_z", "guide_x", "guide_y", "guide_z"};
   return std::any_of(names.begin(), names.end(),
-                     [&](const std::string& name) { return leaf.rfind(name + "_", 0) == 0 && ends.count(leaf.substr(name.size() + 1)) > 0; });
+                     [&](const std::string& name) { return leaf.rfind(name + "_", 0) == 0 && ends().count(leaf.substr(name.size() + 1)) > 0; });
 }
 
 // What scalars of a group begin with that come only with a step: forces of ties and motors, of supports, and of balances.
@@ -61,10 +66,19 @@ bool may_report(const std::string& scalar, const Params& scene, const Snapshot& 
   return always.count(scalar) > 0 || of_any(leaf, stems(group, scene));
 }
 
-void not_reported(const SourceLoc& where, const std::string& what, const std::string& scalar, const Snapshot& said) {
+void not_reported(const SourceLoc& where, const std::string& what, const std::string& scalar, const Params& scene, const Snapshot& said) {
+  const std::string group = group_of(scalar);
   std::vector<std::string> known;
-  for (const auto& [name, number] : said.number) known.push_back(name);
-  const std::string hint = scene::suggestion(scalar, known);
+  std::set<std::string> of_group, groups{"supports"};
+  for (const auto& [name, number] : said.number) {
+    known.push_back(name), groups.insert(group_of(name));
+    if (group_of(name) == group) of_group.insert(leaf_of(name));
+  }
+  for (const std::string& stem : stems(group, scene))
+    for (const std::string& end : ends()) known.push_back(group + "/" + stem + "_" + end);
+  std::string hint = scene::suggestion(scalar, known);
+  const auto list = [](const std::set<std::string>& names) { return scene::join({names.begin(), names.end()}, ", "); };
+  if (hint.empty()) hint = of_group.empty() ? "there are groups " + list(groups) : "of '" + group + "' there are " + list(of_group);
   throw Error(Exit::scene, where, what + ": nothing reports '" + scalar + "'" + (hint.empty() ? "" : "; " + hint));
 }
 
@@ -98,7 +112,7 @@ void check_quantity(const Params& q, const std::string& what, const model::Model
   if (value.find('/') == std::string::npos || group_of(value) == "steps") return;
   if (start.row.count(value) && !start.has(value + "_x"))
     throw Error(Exit::scene, q.where(), what + ": '" + value + "' is a table, of which a run has one per frame; a quantity is a scalar");
-  if (!may_report(value, scene, start) && !may_report(value + "_x", scene, start)) not_reported(q.where(), what, value, start);
+  if (!may_report(value, scene, start) && !may_report(value + "_x", scene, start)) not_reported(q.where(), what, value, scene, start);
 }
 
 }  // namespace

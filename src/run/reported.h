@@ -12,7 +12,7 @@ namespace mortise::run {
 // Will "group/name" be reported, as far as the start tells? What ties, motors and supports bear is known only after a step.
 bool may_report(const std::string& scalar, const Params& scene, const Snapshot& start);
 // Throws Error(Exit::scene): "WHAT: nothing reports 'SCALAR'", and what was probably meant.
-[[noreturn]] void not_reported(const SourceLoc& where, const std::string& what, const std::string& scalar, const Snapshot& said);
+[[noreturn]] void not_reported(const SourceLoc& where, const std::string& what, const std::string& scalar, const Params& scene, const Snapshot& said);
 // Of the scene's `quantities`, and whether places that they name are on their bodies. Throws Error(Exit::scene).
 void check_quantities(const model::ModelInput& input, const Snapshot& start);
 

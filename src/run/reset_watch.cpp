@@ -6,7 +6,7 @@
 
 namespace mortise::run {
 
-ResetWatch::ResetWatch(const std::vector<Params>& conditions, const model::ModelInput& input) : conditions_(conditions) {
+ResetWatch::ResetWatch(const std::vector<Params>& conditions, const model::ModelInput& input) : conditions_(conditions), scene_(input.scene) {
   for (const Params& c : conditions_) {
     if (!c.has("body")) continue;
     std::size_t first = 0;
@@ -17,9 +17,10 @@ ResetWatch::ResetWatch(const std::vector<Params>& conditions, const model::Model
   }
 }
 
-void ResetWatch::check(const Params& scene, const Snapshot& start) const {
+void ResetWatch::check(const Snapshot& start) const {
   for (const Params& c : conditions_)
-    if (c.has("quantity") && !may_report(c.text("quantity"), scene, start)) not_reported(c.where(), "environments.reset", c.text("quantity"), start);
+    if (c.has("quantity") && !may_report(c.text("quantity"), scene_, start))
+      not_reported(c.where(), "environments.reset", c.text("quantity"), scene_, start);
 }
 
 void ResetWatch::see(long step, double time, const Snapshot& said, const std::vector<double>& points) {
@@ -38,7 +39,7 @@ void ResetWatch::see(long step, double time, const Snapshot& said, const std::ve
       } else if (said.has(c.text("quantity"))) {
         value = said.number.at(c.text("quantity"));
       } else {
-        not_reported(c.where(), "environments.reset", c.text("quantity"), said);
+        not_reported(c.where(), "environments.reset", c.text("quantity"), scene_, said);
       }
       met = (c.has("above") && value > c.number("above")) || (c.has("below") && value < c.number("below"));
     }

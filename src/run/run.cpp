@@ -272,7 +272,7 @@ class Run {
 
   void watch(Snapshot state, const std::vector<double>& points) {
     sensors_->read(state, points);
-    if (engine_->steps_done() == 0) reset_->check(scene_.root, state);
+    if (engine_->steps_done() == 0) reset_->check(state);
     reset_->see(engine_->steps_done(), engine_->time(), state, points);
   }
 

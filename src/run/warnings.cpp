@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "audit/holds.h"
 #include "audit/volumetric.h"
 #include "base/snapshot.h"
 #include "effects/roles.h"
@@ -88,17 +89,31 @@ void of_bonds(const model::ModelInput& input, std::vector<std::string>& out) {
   }
 }
 
-// Statics run from 0 to 1: what schedules ask for after that is never reached.
-void of_late_keys(const Params& block, std::vector<std::string>& out) {
+// What schedules ask for after the end is never reached. Statics run from 0 to 1, which those who count steps do not expect; of dynamics, which may
+// have been made shorter, only what does not begin is told.
+void of_late_keys(const Params& block, double end, bool is_static, std::vector<std::string>& out) {
   if (block.kind() == Params::Kind::list)
-    for (const Params& item : block.items()) of_late_keys(item, out);
+    for (const Params& item : block.items()) of_late_keys(item, end, is_static, out);
   if (block.kind() != Params::Kind::table) return;
   for (const auto& [key, value] : block.entries()) {
-    of_late_keys(value, out);
-    if (key != "time" || value.kind() != Params::Kind::list || value.items().empty() || !(value.as_numbers().back() > 1)) continue;
-    out.push_back(at(value.where(), fmt::format("the key at {:g} s is not reached: static scenes go from 0 to 1, whatever their number of steps",
-                                                value.as_numbers().back())));
+    of_late_keys(value, end, is_static, out);
+    if (key != "time" || value.kind() != Params::Kind::list || value.items().empty()) continue;
+    const double first = value.as_numbers().front(), last = value.as_numbers().back();
+    if (is_static && last > 1)
+      out.push_back(
+          at(value.where(), fmt::format("the key at {:g} s is not reached: static scenes go from 0 to 1, whatever their number of steps", last)));
+    if (!is_static && first > 0 && first >= end)
+      out.push_back(at(value.where(), fmt::format("the first key is at {:g} s, and the scene ends at {:g} s: nothing of it is reached", first, end)));
   }
+}
+
+// Where pins say how a body goes, its velocity at the start is not asked for.
+void of_velocities(const model::ModelInput& input, std::vector<std::string>& out) {
+  const audit::Holds holds(input.scene.at("effects"));
+  for (const model::BodyInput& body : input.bodies)
+    for (const char* key : {"velocity", "angular_velocity"})
+      if (body.type == model::BodyType::stiff && holds.pinned(body.name) && !body.params.vec3(key).isZero(0))
+        out.push_back(at(body.params.at(key).where(), fmt::format("{} of '{}' means nothing: a pin says how it goes (motion)", key, body.name)));
 }
 
 void of_sensors(const model::ModelInput& input, std::vector<std::string>& out) {
@@ -180,7 +195,8 @@ std::vector<std::string> warnings(const model::ModelInput& input) {
   if (const Params* step = time.find("step"); step && step->as_number() > tuning::kLongestStep)
     out.push_back(
         at(step->where(), fmt::format("time.step is {:.3g} s: motions and oscillations shorter than that are damped away", step->as_number())));
-  if (time.text("mode") == "static") of_late_keys(input.scene.at("effects"), out);
+  of_late_keys(input.scene.at("effects"), scene::end_time(input.scene), time.text("mode") == "static", out);
+  of_velocities(input, out);
   of_contact(input, out);
   of_friction(input.scene, out);
   of_bonds(input, out);

@@ -364,6 +364,9 @@ TEST_F(EnvironmentsProgram, AFailureMayBeAReset) {
   EXPECT_EQ(r.code, 0) << r.err;
   EXPECT_THAT(read_text(at("out/episodes.csv")), HasSubstr(",1,\"failure: "));
   EXPECT_EQ(summary("out")["done"], 3);
+  const Result checked = mortise("check " + at("s.yaml"));  // said 3, though the run is fine
+  EXPECT_EQ(checked.code, 0);
+  EXPECT_THAT(checked.err, HasSubstr("warning: a start that fails, after which the environment is reset:"));
   write("t.yaml", thrown("[{after: 40 ms}]", "[4.5 mm, 3.5 mm]"));
   EXPECT_EQ(run("t.yaml -o other").code, 5);
   write("u.yaml", thrown("[{quantity: mortar_contact/force_pad_y_, above: 1 N}]"));

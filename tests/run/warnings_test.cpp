@@ -47,6 +47,20 @@ TEST(Warnings, TellWhatIsHardlyEverMeant) {
   EXPECT_THAT(warned({"effects.barrier_contact.d_hat=5 mm"}), ElementsAre(HasSubstr("d_hat is 0.005 m, 0.25 times the size of body 'block'")));
 }
 
+TEST(Warnings, TellWhatIsNeverReached) {
+  const std::string stone =
+      "bodies.stone={type: stiff, shape: {box: {size: [20 mm, 20 mm, 20 mm], edge_length: 10 mm}}, position: [1, 0, 1], mass: 1";
+  const auto held = [&](const std::string& body, const std::string& pin) {
+    return warned({stone + body + "}", "effects.affine_body={}", "effects.pin=[{body: stone, where: {side: all}" + pin + "}]"});
+  };
+  EXPECT_THAT(held("", ""), IsEmpty());
+  EXPECT_THAT(held(", velocity: [0, 0, 1]", ""), ElementsAre(HasSubstr("velocity of 'stone' means nothing: a pin says how it goes")));
+  EXPECT_THAT(held(", velocity: [0, 0, 1]", ", release: 1 ms"), IsEmpty());
+  EXPECT_THAT(held("", ", motion: {time: [6 ms, 9 ms], translation: [[0, 0, 0], [0, 0, 1 mm]]}"),
+              ElementsAre(HasSubstr("the first key is at 0.006 s, and the scene ends at 0.005 s: nothing of it is reached")));
+  EXPECT_THAT(held("", ", motion: {time: [0, 9 ms], translation: [[0, 0, 0], [0, 0, 1 mm]]}"), IsEmpty());
+}
+
 TEST(Warnings, TellOfUnitsThatAreMissing) {
   EXPECT_THAT(warned({"effects.barrier_contact.stiffness=1e16"}),
               ElementsAre(HasSubstr("effects.barrier_contact.stiffness is 1e+16 Pa; is the unit")));

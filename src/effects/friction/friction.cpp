@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/error.h"
 #include "effects/contact/change_stencils.h"
@@ -46,6 +48,14 @@ const ParamTable kTable{
                                    "Residual with refreshed contact forces at which lagging ends, as a share of the largest force")),
      param::range(param::of(Param::Kind::integer, "lag_iterations", Unit::none, "20", "Most refreshes of the contact forces in a step"), 1, 1000)}};
 
+// Named twice, a pair would have two coefficients.
+void each_once(const Params& pairs) {
+  std::set<std::pair<std::string, std::string>> seen;
+  for (const Params& pair : pairs.items())
+    if (const std::string& a = pair.text("a"), &b = pair.text("b"); !seen.insert(std::minmax(a, b)).second)
+      throw Error(Exit::scene, pair.where(), "friction of '" + a + "' and '" + b + "' has a coefficient already; name a pair once");
+}
+
 // The samples of some state, and what became of them; the stencils are theirs.
 struct FrictionLinearisation final : Linearisation {
   Buffer<ContactSample> samples;
@@ -70,6 +80,7 @@ class Friction final : public Effect {
         for (Index plane = bodies; plane < bodies + planes; ++plane) mu[pairs.of(a, plane)] = own.number("mu");
       }
       const Params* list = own.find("pairs");
+      if (list) each_once(*list);
       for (std::size_t i = 0; list && i < list->items().size(); ++i) {
         const Params& pair = list->items()[i];
         for (Index a : find(pair.at("a")))

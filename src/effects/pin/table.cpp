@@ -7,6 +7,7 @@ namespace {
 
 using param::of;
 using param::optional;
+using param::range;
 
 const ParamTable kRotation{"pin rotation",
                            "Rotation about a fixed axis.",
@@ -61,7 +62,7 @@ const ParamTable kPin = [] {
        param::required(param::table("where", &where_table, "Points of the body that are held; a stiff body is held as a whole (side: all).")),
        of(Param::Kind::text, "axes", Unit::none, "xyz", "Directions that are held: any of x, y, z."),
        param::table("motion", &kMotion, "Prescribed motion; without it the points stay where they are."),
-       optional(of(Param::Kind::number, "release", Unit::time, std::nullopt, "Time from which the points are free."))}};
+       range(optional(of(Param::Kind::number, "release", Unit::time, std::nullopt, "Time from which the points are free.")), 0, INFINITY)}};
   t.is_list = true;
   return t;
 }();
