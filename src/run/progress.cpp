@@ -119,6 +119,11 @@ class Lines : public Progress {
 class Terminal : public Lines {
  public:
   Terminal() : Lines(false), began_(std::chrono::steady_clock::now()) {}
+  ~Terminal() override { close_line(); }  // an error may be told next
+  void start(const std::string& scene, const std::string& summary, long steps) override {
+    Lines::start(scene, summary, steps);
+    wait();
+  }
   void step(const solver::StepReport& r, const audit::ContactFigures& c) override {
     const long done = r.step + 1;
     if (first_ < 0) first_ = r.step;
@@ -134,6 +139,7 @@ class Terminal : public Lines {
   void note(const std::string& text) override {
     close_line();
     line(text);
+    if (first_ < 0) wait();
   }
   void end(const std::string& status, double seconds, const audit::Grade& grade) override {
     close_line();
@@ -141,8 +147,14 @@ class Terminal : public Lines {
   }
 
  private:
+  // Until a bar can be drawn: the first step of a fine mesh takes minutes.
+  void wait() {
+    std::fputs("the first step ...", stderr);
+    std::fflush(stderr);
+    open_ = true;
+  }
   void close_line() {
-    if (open_) std::fputs("\n", stderr);
+    if (open_) std::fputs(first_ < 0 ? "\r\033[K" : "\n", stderr);
     open_ = false;
   }
   std::chrono::steady_clock::time_point began_;

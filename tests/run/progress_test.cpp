@@ -110,6 +110,19 @@ TEST_F(Progress, LeavesOutTheLeastImportantFiguresFirst) {
   EXPECT_NE(at80.find("█"), std::string::npos) << at80;
 }
 
+// Minutes of a fine mesh went by without a word.
+TEST_F(Progress, SaysThatItIsAtTheFirstStep) {
+  setenv("TERM", "xterm", 1);
+  TerminalOf terminal(80);
+  auto progress = run::make_progress(false, false);
+  progress->start("scene", "summary", 10);
+  EXPECT_EQ(terminal.read_all(), "scene: summary\r\nthe first step ...");
+  progress->note("warning: odd");
+  EXPECT_EQ(terminal.read_all(), "\r\033[Kwarning: odd\r\nthe first step ...");
+  progress.reset();
+  EXPECT_EQ(terminal.read_all(), "\r\033[K");
+}
+
 TEST_F(Progress, FollowsTheTerminalAndTakes80WhereItsWidthIsUnknown) {
   setenv("TERM", "xterm", 1);
   TerminalOf terminal(200);
