@@ -17,7 +17,7 @@ void add_run(Command app, Context& context) {
   auto most = std::make_shared<double>(1800);
   o->estimate = study::budget_of_run;
   add_scene_options(sub, o->scene, o->overrides);
-  sub.option("-o,--output", o->output, "output folder; default out/<name of the scene>");
+  sub.option("-o,--output", o->output, "output folder; default out/<name of the scene, or of its file>");
   const Flag environment =
       sub.option("--environment", o->environment, "run this one of the scene's `environments` alone, as a scene of its own").not_negative();
   sub.option("--episode", o->episode, "and of its episodes this one, in which nothing is reset").not_negative().needs(environment);

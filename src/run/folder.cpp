@@ -35,6 +35,10 @@ bool is_part(const std::string& name) {
   return false;
 }
 
+[[noreturn]] void not_ours(const std::string& path) {
+  throw Error(Exit::file, "'" + path + "' was not written by mortise and is left alone; move it away, or choose another folder with -o");
+}
+
 [[noreturn]] void fail(const std::string& what) { throw Error(Exit::file, what + ": " + std::strerror(errno)); }
 
 std::string host() {
@@ -69,7 +73,9 @@ std::string episode_folder(const std::string& folder, long episode) { return fmt
 
 std::string folder_of(const Options& o, const Params& scene) {
   if (!o.output.empty()) return o.output;
-  const std::string all = "out/" + scene.text("name"), own = o.environment < 0 ? all : environment_folder(all, o.environment);
+  std::string name = scene.text("name");
+  if (name == "scene" && o.scene != "-") name = fs::path(o.scene).stem().string();  // the default: scenes without a name would share a folder
+  const std::string all = "out/" + name, own = o.environment < 0 ? all : environment_folder(all, o.environment);
   return o.episode < 0 ? own : episode_folder(own, o.episode);
 }
 
@@ -152,8 +158,28 @@ std::string Folder::lock() {
   }
 }
 
+namespace {
+
+// Other programs have such files, too: what does not begin as ours do is somebody else's. An empty one is of a full disk.
+void guard_result(const std::string& path, const std::string& mark) {
+  std::error_code ec;
+  if (!fs::is_regular_file(fs::symlink_status(path, ec))) return;
+  std::ifstream in(path, std::ios::binary);
+  std::string begin(4096, '\0');
+  in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  begin.resize(static_cast<std::size_t>(in.gcount()));
+  if (!begin.empty() && begin.find(mark) == std::string::npos) not_ours(path);
+}
+
+}  // namespace
+
 void Folder::remove_results() const {
   std::error_code ec;
+  guard_result(file("run.json"), "\"mortise run\"");
+  guard_result(file("certificate.json"), "\"mortise certificate\"");
+  guard_result(file("fields.xdmf"), "fields.vtkhdf");
+  guard_result(file("fields.vtkhdf"), "\x89HDF");
+  guard_result(file("checkpoint.h5"), "\x89HDF");
   for (const char* ours : {"fields.vtkhdf",
                            "fields.vtkhdf.new",
                            "fields.vtkhdf.journal",
@@ -200,7 +226,7 @@ void guard_picture(const std::string& path) {
   std::error_code ec;
   const fs::file_status status = fs::symlink_status(path, ec);
   if (fs::exists(status) && !(fs::is_regular_file(status) && (render::is_our_png(path) || is_our_camera_file(path) || is_our_depth_array(path))))
-    throw Error(Exit::file, "'" + path + "' was not written by mortise and is left alone; move it away, or choose another folder with -o");
+    not_ours(path);
 }
 
 void make_pictures_folder(const std::string& path) {

@@ -6,7 +6,8 @@
 
 namespace mortise::run {
 
-// Where a run goes: what -o says, or out/<name>; of one of several environments env_0007 in there, of its episodes episode_0003 in there.
+// Where a run goes: what -o says, or out/<name>, of a scene without one out/<its file's>; of one of several environments env_0007 in there, of its
+// episodes episode_0003 in there.
 std::string environment_folder(const std::string& folder, long environment);
 std::string episode_folder(const std::string& folder, long episode);
 std::string folder_of(const Options& options, const Params& scene);
@@ -28,7 +29,8 @@ class Folder {
   std::string lock();
   void unlock();
   // Removes the results of an earlier run: files of our names, and in frames/ the pictures and camera files that we wrote. Links go, what they point
-  // to stays; so does everything else. Folders of environments go where nothing is left in them.
+  // to stays; so does everything else. Throws Error(Exit::file) where a file of such a name is not ours. Folders of environments go where nothing is
+  // left in them.
   void remove_results() const;
 
  private:

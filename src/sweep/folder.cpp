@@ -51,7 +51,7 @@ void check_rows(const Sweep& sweep) {
       const Params scene = scene::read_scene(sweep.scene, sweep.rows[i].overrides(sweep.set), effects).root;
       if (i == 0) first = scene;
     } catch (const Error& e) {
-      throw Error(e.code(), fmt::format("row {}: {}", i, e.what()));
+      throw Error(e.code(), sweep.rows_at, fmt::format("row {}: {}", i, e.what()));
     }
   if (sweep.quantities.empty()) return;
   if (scene::environment_count(first) > 0)

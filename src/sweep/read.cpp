@@ -107,6 +107,7 @@ Sweep read_sweep(const std::string& path) {
     errors.add(rows ? rows->at : SourceLoc{path, 1, 1}, "a sweep needs 'rows:', a list of blocks (" + scene::join(block_names(), ", ") + ")");
     errors.raise();
   }
+  out.rows_at = rows->at;
   std::vector<std::vector<Row>> blocks;
   for (const Node& block : rows->items) blocks.push_back(rows_of_block(block, folder, errors));
   no_path_twice(blocks, *rows, errors);

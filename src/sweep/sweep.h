@@ -20,7 +20,7 @@ struct Sweep {
   std::vector<std::string> set;         // --set of all rows
   std::vector<std::string> quantities;  // "group/name" of scalars at the end, for the merged table
   std::vector<Row> rows;
-  SourceLoc quantities_at{};  // where the file says them
+  SourceLoc quantities_at{}, rows_at{};  // where the file says them
 };
 
 // Reads the file; formats are in schemas/sweep.md. Throws SceneErrors with all that is wrong in it, Error(Exit::file).

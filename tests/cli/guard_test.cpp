@@ -168,6 +168,30 @@ TEST_F(Guard, OnlyOurOwnFilesGo) {
   EXPECT_EQ(read_text(at("precious")), "precious");
 }
 
+// A run.json of another program was replaced.
+TEST_F(Guard, FilesOfOurNamesThatAreNotOursStay) {
+  for (const char* name : {"run.json", "fields.xdmf", "certificate.json", "checkpoint.h5"}) {
+    fs::remove_all(at("out"));
+    write(std::string("out/") + name, "{\"of\": \"another program\"}");
+    const Result r = run("--overwrite -q");
+    EXPECT_EQ(r.code, 6);
+    EXPECT_THAT(r.err, HasSubstr(std::string(name) + "' was not written by mortise and is left alone"));
+    EXPECT_EQ(read_text(at(std::string("out/") + name)), "{\"of\": \"another program\"}");
+  }
+}
+
+// All of them went to out/scene.
+TEST_F(Guard, ScenesWithoutANameGoToFoldersOfTheirFiles) {
+  std::string text = read_text(at("a.yaml"));
+  text.erase(text.find("name: guard\n"), 12);
+  for (const char* file : {"one.yaml", "two.yaml"}) {
+    write(file, text);
+    EXPECT_EQ(mortise("run " + at(file) + " --no-render -q", dir_).code, 0);
+  }
+  EXPECT_TRUE(fs::exists(at("out/one/run.json")));
+  EXPECT_TRUE(fs::exists(at("out/two/run.json")));
+}
+
 TEST_F(Guard, FieldsWithoutACheckpointAreNotStartedAfresh) {
   ASSERT_EQ(run("-q").code, 0);
   fs::remove(at("out/checkpoint.h5")), fs::remove(at("out/checkpoint.prev.h5"));

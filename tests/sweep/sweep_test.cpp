@@ -151,7 +151,7 @@ TEST_F(SweepFile, RowsAreCheckedBeforeAnyRuns) {
     check_rows(s);
     ADD_FAILURE() << "no error";
   } catch (const Error& e) {
-    EXPECT_THAT(e.what(), HasSubstr("row 0: "));
+    EXPECT_THAT(e.what(), HasSubstr("error: row 0: "));
     EXPECT_THAT(e.what(), HasSubstr("did you mean 'step'"));
   }
 }
