@@ -1,5 +1,6 @@
 #include "cost/trial.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "base/cpu_time.h"
@@ -18,7 +19,7 @@ Trial try_steps(engine::Engine& engine, long steps, double most, Trial before) {
     ++out.steps, out.iterations += report.newton, out.seconds = spent;
     out.taken.push_back(report.newton);
   }
-  if (begun > 0) out.each = spent / begun;
+  if (spent > 0) out.each = spent / std::max(begun, 1.0);  // of the first, where it was broken off, the least that it takes
   double later = 0;
   const std::size_t half = out.taken.size() / 2;
   for (std::size_t i = half; i < out.taken.size(); ++i) later += static_cast<double>(out.taken[i]);

@@ -10,7 +10,7 @@ struct Trial {
   long steps = 0, iterations = 0;  // that were taken to their end
   double seconds = 0;              // CPU time of these [s]
   double later_iterations = 0;     // per step, of the later half of them
-  double each = 0;                 // CPU time of an iteration, those of a step that was broken off too [s]; 0: there was none
+  double each = 0;                 // CPU time of an iteration, those of a step that was broken off too [s]; of a first one that was, the least
   std::vector<long> taken{};       // iterations of every step
 };
 
