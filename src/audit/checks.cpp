@@ -96,6 +96,8 @@ const EnergyAudit::Result& Checks::state(const Snapshot& said, const std::vector
   }
   momentum(now);
   if (!std::isnan(energy.gain)) record("energy_gain", energy.gain);  // divided by the scale at the end
+  for (Criterion& c : criteria_)
+    if (c.quantity == "scalar" && said.has(c.params.text("value")) && c.counts(time)) c.record(said.at(c.params.text("value")));
   for (Criterion& c : criteria_) c.together = Vec3::Zero(), c.any = false;
   for (const MeasuredBody& b : bodies_) measure(b, now);
   for (Criterion& c : criteria_)
@@ -207,7 +209,7 @@ Checks::Verdict Checks::judge(const Criterion& c, Exit status, const std::string
       }
     return out;
   }
-  out.text = c.quantity;
+  out.text = c.quantity == "scalar" ? c.params.text("value") : c.quantity;
   if (!c.body.empty()) out.text += " of " + c.body;
   for (const std::string& body : c.bodies) out.text += (body == *c.bodies.begin() ? " of " : " + ") + body;
   if (c.axis >= 0) out.text += c.axis == 3 ? " (size)" : fmt::format(" ({})", "xyz"[c.axis]);

@@ -122,6 +122,10 @@ void check_quantities(const model::ModelInput& input, const Snapshot& start) {
   const Params* list = input.scene.find("quantities");
   for (std::size_t i = 0; list && i < list->items().size(); ++i)
     wrong.gather([&] { check_quantity(list->items()[i], "quantities." + std::to_string(i), input, start); });
+  const Params* checks = input.scene.find("checks");
+  for (std::size_t i = 0; checks && i < checks->items().size(); ++i)
+    if (const Params* value = checks->items()[i].find("value"); value && !may_report(value->as_text(), input.scene, start))
+      wrong.gather([&] { not_reported(value->where(), fmt::format("checks.{}", i), value->as_text(), input.scene, start); });
   wrong.raise();
 }
 

@@ -13,7 +13,8 @@ namespace mortise::run {
 bool may_report(const std::string& scalar, const Params& scene, const Snapshot& start);
 // Throws Error(Exit::scene): "WHAT: nothing reports 'SCALAR'", and what was probably meant.
 [[noreturn]] void not_reported(const SourceLoc& where, const std::string& what, const std::string& scalar, const Params& scene, const Snapshot& said);
-// Of the scene's `quantities`, and whether places that they name are on their bodies. Throws Error(Exit::scene).
+// Of the scene's `quantities` and the scalars of its `checks`, and whether places that quantities name are on their bodies. Throws
+// Error(Exit::scene).
 void check_quantities(const model::ModelInput& input, const Snapshot& start);
 
 }  // namespace mortise::run

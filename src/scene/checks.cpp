@@ -49,7 +49,9 @@ constexpr Measure kMeasures[] = {
     {"spin", Unit::angular_velocity, true, true, "inertia", "Angular velocity of the rigid motion that fits the points' velocities best."},
     {"contact_force", Unit::force, true, true, "contact", "Force of all contact effects on the body."},
     {"friction_force", Unit::force, true, true, "friction", "Friction on the body."},
-    {"support_force", Unit::force, true, true, "pin", "Force of its pins on the body (of joints: joint/NAME_force_z of quantities)."},
+    {"support_force", Unit::force, true, true, "pin", "Force of its pins on the body (of joints: scalar, joint/NAME_force_z)."},
+    {"scalar", Unit::any, false, false, "",
+     "What `value` names: all that the field file has as one number, as for `quantities`; of sensors, in frames."},
 };
 
 const Measure* find_measure(const std::string& name) {
@@ -66,6 +68,8 @@ Param quantity_param() {
 
 ParamTable table_of(const Measure& q) {
   ParamTable t{"check", std::string(q.name) + ": " + q.help, {quantity_param()}};
+  if (q.unit == Unit::any)
+    t.params.push_back(required(of(Kind::text, "value", Unit::none, {}, "group/name of the scalar: joint/hinge_force_z, sensor_skin/force_z.")));
   if (q.body && q.unit == Unit::force) {
     t.params.push_back(optional(of(Kind::text, "body", Unit::none, {}, "Name of the body.")));
     t.params.push_back(optional(of(Kind::names, "bodies", Unit::none, {}, "Or the names of several, whose forces are added up.")));

@@ -99,6 +99,10 @@ TEST(Checks, TakesForcesAndStepsFromReports) {
   EXPECT_FALSE(with("{quantity: contact_force, body: cube, axis: z, when: mean, above: 6 N}").pass);
   EXPECT_NEAR(with("{quantity: support_force, body: cube, axis: size, below: 1.7 N}").value, std::sqrt(3), 1e-12);
   EXPECT_FALSE(with("{quantity: support_force, body: cube, axis: size, below: 1.7 N}").pass);
+  const Checks::Verdict scalar = with("{quantity: scalar, value: barrier_contact/force_cube_z, when: end, above: 9 N}");
+  EXPECT_DOUBLE_EQ(scalar.value, 10);
+  EXPECT_TRUE(scalar.pass);
+  EXPECT_EQ(scalar.text, "barrier_contact/force_cube_z, end above 9");
   EXPECT_FALSE(verdict("{quantity: newton_iterations, below: 7}").pass);
   EXPECT_TRUE(verdict("{quantity: newton_iterations, below: 8}").pass);
   EXPECT_DOUBLE_EQ(verdict("{quantity: residual, below: 1}").value, 0.25);
