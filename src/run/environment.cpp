@@ -11,6 +11,7 @@
 #include "run/environment_end.h"
 #include "run/folder.h"
 #include "run/run.h"
+#include "run/tuning.h"
 #include "scene/environments.h"
 #include "scene/quantity.h"
 
@@ -102,6 +103,8 @@ class Episodes {
     e.line = fmt::format("{},{},{},{}", episode, e.first_step, e.steps, first_line_quoted(why));
     for (const scene::Drawn& d : scene::draw(all_.root, o_.environment, episode)) e.line += "," + scene::format_number(d.value);
     done_.push_back(std::move(e));
+    if (done_.size() == tuning::kOddEpisodes && std::all_of(done_.begin(), done_.end(), [](const Episode& d) { return d.steps <= 1; }))
+      progress_.note(fmt::format("warning: its first {} episodes all ended with their first step: {}", done_.size(), why));
     std::string text = episodes_header(all_.root) + "\n";
     for (const Episode& d : done_) text += d.line + "\n";
     output::write_file_atomically(folder_.file(kLog), text, true);

@@ -54,7 +54,7 @@ void draw_axes(render::Image& image, const sensors::GridSpec& spec, int wide, in
     for (int i = 1; i < 6; ++i) put(image, kMargin - i, static_cast<int>(y), kText);
     render::draw_text(image, label, kMargin - 8 - render::text_width(label, kSize), y + 0.35 * kSize, kSize, kText);
   }
-  render::draw_text(image, fmt::format("x  [{}]", unit), kMargin + wide + 8, bottom + 17, kSize, kText);
+  render::draw_text(image, fmt::format("x  [{}]", unit), std::max(kMargin + wide + 8.0, end), bottom + 17, kSize, kText);
   render::draw_text(image, fmt::format("y  [{}]", unit), 8, kMargin - 14, kSize, kText);
 }
 

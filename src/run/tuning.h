@@ -29,6 +29,7 @@ inline constexpr double kThickest = 0.1;                          // d_hat over 
 inline constexpr double kNearlyAll = 0.8;  // of the memory there is: other programs want some, and the estimate is one (memory.cpp)
 
 // ---- environments
-inline constexpr long kTogether = 16;  // in a model on a CPU; of 256, a step costs each a fifth more (benchmarks/environments)
+inline constexpr std::size_t kOddEpisodes = 3;  // of an environment, all of one step: its reset is hardly meant
+inline constexpr long kTogether = 16;           // in a model on a CPU; of 256, a step costs each a fifth more (benchmarks/environments)
 
 }  // namespace mortise::run::tuning

@@ -367,6 +367,9 @@ TEST_F(EnvironmentsProgram, AFailureMayBeAReset) {
   const Result checked = mortise("check " + at("s.yaml"));  // said 3, though the run is fine
   EXPECT_EQ(checked.code, 0);
   EXPECT_THAT(checked.err, HasSubstr("warning: a start that fails, after which the environment is reset:"));
+  write("v.yaml", thrown("[{after: 1 us}]"));
+  EXPECT_THAT(run("v.yaml -o odd --environment 0 --set time.steps=3").err,
+              HasSubstr("warning: its first 3 episodes all ended with their first step: after 1e-06 s"));
   write("t.yaml", thrown("[{after: 40 ms}]", "[4.5 mm, 3.5 mm]"));
   EXPECT_EQ(run("t.yaml -o other").code, 5);
   write("u.yaml", thrown("[{quantity: mortar_contact/force_pad_y_, above: 1 N}]"));
