@@ -55,7 +55,7 @@ Certificate::Certificate(const model::ModelInput& input)
   has_.bdf2 = integration_of(input.scene).second_order;
   const auto is_soft = [](const model::BodyInput& b) { return b.type == model::BodyType::soft; };
   has_.quadratic = std::all_of(input.bodies.begin(), input.bodies.end(), [&](const auto& b) { return !is_soft(b) || !b.midsides.empty(); });
-  locking_risks_ = locking_risks(input), single_elements_ = single_elements(input);
+  locking_risks_ = locking_risks(input);
   for (const scene::PassThrough& p : scene::pass_through(scene, engine::effect_tables())) passes_through_.push_back(p.text());
   for (const Params& asked : entries(scene, "quantities"))
     asks_work_ = asks_work_ || asked.text("value") == "supports/work" || asked.text("value") == "audit/support_work";

@@ -69,7 +69,7 @@ class Certificate {
   std::vector<std::string> passes_through_;  // what nothing keeps apart
   bool asks_work_ = false;                   // a quantity of the scene is the work of supports
   Has has_;
-  std::vector<std::string> locking_risks_, single_elements_;
+  std::vector<std::string> locking_risks_;
   std::map<std::string, std::string> volumetric_;  // how soft bodies resist changes of volume
   double force_floor_ = 0;                         // of strains and motions that are rounding [N]
   std::string inertia_;                            // the effect of that role, if there is one

@@ -112,7 +112,6 @@ Grade Certificate::grade(const End& end, const std::vector<Check>& checks) const
     out.failed.push_back(k);
     lower(earns, fmt::format("{} is {:.3g}, more than {:.3g}", k.name, k.value, earns[0] == 'B' ? k.good : k.usable), k.of);
   }
-  if (!single_elements_.empty()) lower("C", single_elements_.front());
   if (steps_ == 0) lower("F", "no step was finished");
   if (det_F_.least <= 0) lower("F", "an element is inverted (det F <= 0)");
   if (distance_.least <= 0) lower("F", "surfaces touch or intersect");

@@ -22,6 +22,15 @@ inline std::optional<Params> joint_named(const Params& effects, const std::strin
   return {};
 }
 
+// Is anything told to move, by a pin or a kinematic drive?
+inline bool told_to_move(const Params& effects) {
+  for (const Params& pin : entries(effects, "pin"))
+    if (pin.has("motion")) return true;
+  for (const Params& drive : entries(effects, "drive"))
+    if (drive.text("mode") == "kinematic") return true;
+  return false;
+}
+
 // Bodies with loads of their own, or pins that go. What pulls at all for ever, as gravity does, is no list.
 inline std::set<std::string> worked_on(const Params& effects) {
   std::set<std::string> out;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "audit/archived.h"
+#include "audit/entries.h"
 #include "audit/tuning.h"
 #include "audit/vector_at.h"
 #include "effects/integrator.h"
@@ -26,7 +27,8 @@ bool goes_along(const MovingBody& b, const std::vector<MovingBody>& bodies) {
 }  // namespace
 
 GivenKinks::GivenKinks(const model::ModelInput& input) {
-  if (const Integration integration = integration_of(input.scene); integration.second_order) step_ = integration.step;
+  const Integration integration = integration_of(input.scene);
+  if (integration.second_order && told_to_move(input.scene.at("effects"))) step_ = integration.step;
 }
 
 void GivenKinks::look(Body& body, const MovingBody& b, double force) const {

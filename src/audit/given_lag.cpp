@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "audit/entries.h"
 #include "audit/vector_at.h"
 
 namespace mortise::audit {
 
-GivenLag::GivenLag(const model::ModelInput& input) : backward_euler_(!integration_of(input.scene).second_order) {}
+GivenLag::GivenLag(const model::ModelInput& input)
+    : backward_euler_(!integration_of(input.scene).second_order && told_to_move(input.scene.at("effects"))) {}
 
 void GivenLag::state(const std::vector<MovingBody>& bodies, const std::vector<double>& forces) {
   if (!backward_euler_ || bodies.empty()) return;

@@ -91,7 +91,7 @@ StressError::StressError(const model::ModelInput& input) {
       }
       for (std::size_t n = 0; n < in.nodes.size(); ++n)
         if (held[point + n]) b.fixed.push_back(n);
-      b.one_across = quadratic && model::one_across(in);
+      b.one_across = quadratic && !b.averaged && model::one_across(in);
       if (quadratic ? b.one_across : !model::averages_volume(in)) b.one_sided = model::one_sided(held, point, in.nodes.size());
       if (BubbleError::counts_for(in)) b.bubbles.emplace(input, in);
       bodies_.push_back(std::move(b));
@@ -119,10 +119,11 @@ StressError::Corners StressError::of_quadratic(const Body& b, std::size_t tet, s
     J[g] = F.determinant();
     mean_J += J[g] / geometry::kTetPoints;
   }
-  const double mu = b.E / (2 * (1 + b.nu)), lambda = b.E * b.nu / ((1 + b.nu) * (1 - 2 * b.nu));
+  const double mu = b.E / (2 * (1 + b.nu));
+  const model::Lambda lambda = model::lambda_of(b.E, b.nu, b.averaged, true);
   Stress at[geometry::kTetPoints], mean = Stress::Zero();
   for (int g = 0; g < geometry::kTetPoints; ++g) {
-    const Mat3 S = lambda * std::log(b.averaged ? mean_J : J[g]) * Mat3::Identity() + 2 * mu * G[g];
+    const Mat3 S = (lambda.at_points * std::log(J[g]) + lambda.of_mean * std::log(mean_J)) * Mat3::Identity() + 2 * mu * G[g];
     at[g] << S(0, 0), S(1, 1), S(2, 2), S(0, 1), S(1, 2), S(2, 0);
     mean += at[g] / geometry::kTetPoints;
   }

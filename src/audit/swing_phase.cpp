@@ -15,7 +15,7 @@ void SwingPhase::state(const std::vector<MovingBody>& bodies) {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MovingBody& body = bodies[i];
     Swing& swing = swings_[i];
-    if (body.body.soft() || !body.swings) continue;
+    if (body.body.soft() || !body.swings || body.free) continue;
     if (states_ > tuning::kBegins && !body.touches && !body.stopped) {
       const Vec3 v = 0.5 * (swing.v + body.v);
       swing.turned += (body.a - swing.a).dot(v), swing.moved += v.squaredNorm() * h, swing.time += h;

@@ -3,9 +3,9 @@
 //
 //     phi = 1/3 h^2 (omega^2 + w^2) omega t      (90 steps in a period, 22 periods: 0.22 rad, and as much of the amplitude)
 //
-// with w how fast the body turns: its blocks go on circles. Of stiff bodies that go as no pin and no motor says, while they touch nothing, by their
-// centres: omega^2 = - sum a' . v / sum v . v over the steps so far, a' what a changes by, which is nothing in flight, and w^2 of the same weights.
-// Told in terms of the largest swing so far, of which |v|^2 + |a|^2 / omega^2 tells how much is left.
+// with w how fast the body turns: its blocks go on circles. Of stiff bodies on joints that go as no pin and no motor says, while they touch nothing,
+// by their centres: omega^2 = - sum a' . v / sum v . v over the steps so far, a' what a changes by, which is nothing in flight, and w^2 of the same
+// weights. Told in terms of the largest swing so far, of which |v|^2 + |a|^2 / omega^2 tells how much is left.
 #include <vector>
 
 #include "audit/moving_body.h"

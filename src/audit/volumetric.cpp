@@ -18,22 +18,8 @@ std::string volumetric(const model::BodyInput& body) {
   return fmt::format("averaged over {} clusters", 1 + *std::max_element(cluster.begin(), cluster.end()));
 }
 
-std::vector<std::string> single_elements(const model::ModelInput& input) {
-  std::vector<std::string> out;
-  for (const model::BodyInput& b : input.bodies) {
-    if (b.type != model::BodyType::soft || b.midsides.empty() || !(b.material.number("poisson_ratio") > model::kAveragedAbove)) continue;
-    const Params* key = b.material.find("volumetric");
-    if (!model::averages_volume(b) && !(key && key->as_text() == "full"))
-      out.push_back(
-          fmt::format("body '{}' has one quadratic element across, at Poisson's ratio {:g}: it may be a quarter too stiff, and twice as stiff as it "
-                      "should be where elements are several times as long as it is thick; with two elements across it is right to a few percent",
-                      b.name, b.material.number("poisson_ratio")));
-  }
-  return out;
-}
-
 std::vector<std::string> locking_risks(const model::ModelInput& input) {
-  std::vector<std::string> out = single_elements(input);
+  std::vector<std::string> out;
   for (const model::BodyInput& b : input.bodies) {
     if (b.type != model::BodyType::soft) continue;
     const Params* key = b.material.find("volumetric");

@@ -9,9 +9,7 @@ namespace mortise::audit {
 
 // "averaged over 96 clusters", "averaged over every element" or "full".
 std::string volumetric(const model::BodyInput& body);
-// Of every body that `auto` does not average, as it has one quadratic element across: what that may do. Nothing estimates it: such bodies get C.
-std::vector<std::string> single_elements(const model::ModelInput& input);
-// Of those, and of every other body whose elements may lock, as averages are switched off, why.
+// Of every body whose elements may lock, as averages are switched off, why.
 std::vector<std::string> locking_risks(const model::ModelInput& input);
 
 }  // namespace mortise::audit

@@ -8,6 +8,7 @@ enum class Fault {
   gap,       // of contact: what presses is a spring, and leaves a gap
   solution,  // of the solver: equations are solved to a tolerance
   mesh,      // of soft bodies: stresses are what elements can take on, and masses may stand on nodes
+  volumes,   // of soft bodies: what of that is changes of volume
 };
 
 }  // namespace mortise::effects

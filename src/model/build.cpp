@@ -110,7 +110,7 @@ void add_soft(Layout& l, const BodyInput& in, Body& body) {
   const Index first = body.block_begin;
   const double E = body.youngs_modulus, nu = body.poisson_ratio;
   const bool quadratic = !in.midsides.empty(), averaged = averages_volume(in);
-  const double lambda = E * nu / ((1 + nu) * (1 - 2 * nu));
+  const Lambda lambda = lambda_of(E, nu, averaged, quadratic);
   std::vector<std::uint8_t> used(in.nodes.size(), 0);
   body.tet_begin = static_cast<Index>(l.tets.size());
   Vec3 moment = Vec3::Zero();
@@ -128,13 +128,13 @@ void add_soft(Layout& l, const BodyInput& in, Body& body) {
     l.midsides.push_back(middle);
     l.first_point.push_back(static_cast<Index>(l.rest_volume.size()));
     l.mu.push_back(E / (2 * (1 + nu)));
-    l.lambda.push_back(averaged ? 0 : lambda);
-    l.mean_lambda.push_back(averaged && quadratic ? lambda : 0);
+    l.lambda.push_back(lambda.at_points);
+    l.mean_lambda.push_back(quadratic ? lambda.of_mean : 0);
     l.material.push_back(static_cast<std::uint8_t>(material_model(in.material)));
   }
   body.tet_end = static_cast<Index>(l.tets.size());
   if (averaged && !quadratic)
-    l.clusters.add(star_clusters(in), l.tets, body.tet_begin, l.rest_volume.data() + l.first_point[body.tet_begin], lambda, in.env);
+    l.clusters.add(star_clusters(in), l.tets, body.tet_begin, l.rest_volume.data() + l.first_point[body.tet_begin], lambda.of_mean, in.env);
   body.centre = moment / body.volume;
   body.mass = body.density * body.volume;
   const Vec3 v = in.params.vec3("velocity"), w = in.params.vec3("angular_velocity");

@@ -64,8 +64,8 @@ const ParamTable& material_table() {
        below(range(optional(of(Kind::number, "poisson_ratio", Unit::none, {}, "Poisson's ratio; required for soft bodies")), 0, 0.5), 0.5),
        choice("volumetric", {"auto", "full", "averaged"}, "auto",
               "How a soft body resists changes of volume: at every point, or on average over the elements around a vertex (order 2: over an "
-              "element), which does not lock near "
-              "Poisson's ratio 0.5. auto averages above 0.4, order 2 where there are two elements across."),
+              "element, of what is beyond Poisson's ratio 0.25), which does not lock near "
+              "Poisson's ratio 0.5. auto averages above 0.4."),
        positive(required(of(Kind::number, "density", Unit::density, {}, "Mass per volume at rest.")))}};
   return t;
 }

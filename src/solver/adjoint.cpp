@@ -32,13 +32,13 @@ double along(effects::Effect& store, device::View<const Vec3> q, device::View<co
   return device::sum("adjoint.along", of.block.n, [=] MORTISE_HD(Index i) { return of.block[i] < 0 ? 0.0 : of.grad[i].dot(z[of.block[i]]); });
 }
 
-// What the mesh leaves out of them.
-double mesh_along(effects::Effect& store, device::View<const Vec3> q, device::View<const Vec3> z) {
+// What a fault leaves out of them.
+double mended_along(effects::Effect& store, effects::Fault fault, device::View<const Vec3> q, device::View<const Vec3> z) {
   const double as_it_is = along(store, q, z);
-  store.mend(effects::Fault::mesh, 1);
+  store.mend(fault, 1);
   store.keep_pace(store, q);
   const double mended = along(store, q, z);
-  store.mend(effects::Fault::mesh, 0);
+  store.mend(fault, 0);
   return mended - as_it_is;
 }
 
@@ -104,8 +104,11 @@ Adjoint Simulation::adjoint(const Functional& Q) {
   const std::vector<Vec3> at_points = y.download();
   for (std::size_t k = 0; k < effects_.size(); ++k)
     if (effects_[k]->kind().role == effects::Role::contact) out.layer += layer_along(tangent_->at().of[k]->contact, at_points);
-  for (const auto& effect : effects_)
-    if (effect->kind().role == effects::Role::store) out.mesh += mesh_along(*effect, std::as_const(model_.q).view(), of_blocks.view());
+  for (const auto& effect : effects_) {
+    if (effect->kind().role != effects::Role::store) continue;
+    out.mesh += mended_along(*effect, effects::Fault::mesh, std::as_const(model_.q).view(), of_blocks.view());
+    out.volumes += mended_along(*effect, effects::Fault::volumes, std::as_const(model_.q).view(), of_blocks.view());
+  }
   for (const Vec3& v : at_points) out.points.insert(out.points.end(), {v[0], v[1], v[2]});
   return out;
 }

@@ -9,7 +9,8 @@
 //   residual   z . P g          all that Newton's method, its linear systems and lagged quantities left
 //   layer      surfaces press although a gap is open between them. Moved together by their gaps g_s they would press with p(2 g_s) at the same q,
 //              that is, less by k_s g_s, k_s = -d force / d gap:   z . dg = sum over samples k_s g_s d(gap_s) / dy . z
-//   mesh       elements are stiffer than what they are made of, by what Fault::mesh mends (effects/elasticity/missed.h)
+//   mesh       elements are stiffer than what they are made of, by what Fault::mesh mends (effects/elasticity/missed.h), and softer where means of
+//              volumes stand for them, which is part of what Fault::volumes does
 #include <vector>
 
 #include "base/types.h"
@@ -25,8 +26,8 @@ struct Adjoint {
   std::vector<double> points;  // z at points, three each [Q/N]
   double residual = 0;         // what is to be added to Q
   double layer = 0;
-  double mesh = 0;
-  bool exact = true;  // J^T lacks nothing; else that samples of contact slide and turn
+  double mesh = 0, volumes = 0;  // and what of that is changes of volume
+  bool exact = true;             // J^T lacks nothing; else that samples of contact slide and turn
 };
 
 }  // namespace mortise::solver

@@ -4,7 +4,8 @@
 //   q' = q - J^-1 P (r'(q) - r(q) + J c),   c = what the supports of S' stand elsewhere by,
 //
 // (once more from there, since thin contacts are far from linear within a hair: their forces had an error as large as a quarter of what a hair of a
-// radius makes of them, of both sides alike) with r' of S' itself, from where it stood when the step began: what it inherits of earlier steps
+// radius makes of them, of both sides alike; and the first time from as far beside q as S' was in the step before, since friction that holds is far
+// from linear within the way that it holds to) with r' of S' itself, from where it stood when the step began: what it inherits of earlier steps
 // (velocities, where friction last stuck) it has from following those. So the difference of the two runs, over the difference of the parameter, is
 // the derivative along the whole trajectory, of whatever is measured of them: dQ/dp = dQ/dp at fixed q - dQ/dq . J^-1 dr/dp, one linear solve per
 // parameter and step with a factor that all share. The adjoint, J^T lambda = dQ/dq, gives the same from one solve per quantity; it needs dQ/dq of
@@ -61,6 +62,7 @@ void Simulation::follow(const effects::StepInfo& info, Simulation& leader, devic
   Linearised& at = newton_.at();
   device::Buffer<Vec3> c, move, f, Jc, x, dq, from, there;
   there.copy_from(q);
+  if (!mends_ && apart_.size() == there.size()) add_scaled(std::as_const(apart_).view(), {1.0}, std::as_const(model_.block_env).view(), there);
   for (int round = 0; round < (mends_ ? 1 : tuning::kFollows); ++round) {
     from.copy_from(there);
     // r'(q) - r(q) + J c, on the rows.
@@ -76,6 +78,7 @@ void Simulation::follow(const effects::StepInfo& info, Simulation& leader, devic
     system.to_blocks(std::as_const(x).view(), std::as_const(c).view(), all, dq);
     advance(std::as_const(from).view(), std::as_const(dq).view(), {1.0}, model_, there);
   }
+  subtract(std::as_const(there).view(), q.view(), apart_);
   newton_.end_at(there);
   if (!std::isfinite(newton_.energies().total(0))) throw Failure{"a hair of the parameter makes surfaces meet or elements turn over"};
   accept(info, leader.lost_energy(info));

@@ -81,6 +81,7 @@ class Simulation {
   Newton newton_;
   AcceptedForces forces_;
   std::vector<Simulation*> others_;
+  device::Buffer<Vec3> apart_;        // of one that follows: how far beside the leader it was in the last step [m]
   std::unique_ptr<Tangent> tangent_;  // where there are others, or adjoints,
   Index tangent_step_ = -1;           // at the state that so many steps led to
   bool mends_ = false;                // it differs from the leader by a share of a fault

@@ -121,12 +121,26 @@ std::string why_none(const Params& scene) {
   return "";
 }
 
+// Shear and changes of volume, where they are nearly as much one way as the other.
+double hidden_in(const solver::Adjoint& adjoint) {
+  const double shear = adjoint.mesh - adjoint.volumes, volumes = adjoint.volumes;
+  const double less = std::min(std::abs(shear), std::abs(volumes)), more = std::max(std::abs(shear), std::abs(volumes));
+  return shear * volumes < 0 && less > tuning::kHides * more ? less + more : 0;
+}
+
 }  // namespace
 
 void QuantityBudget::judge(double of_value) {
   value = of_value;
   for (ErrorPart& part : parts) {
+    if (part.hidden > 0) part.error = std::copysign(part.hidden, part.error);
     part.found = part.error;
+    if (part.hidden > tuning::kHiddenShare * std::abs(value)) {
+      part.why_not = fmt::format(
+          "{}: elements are too stiff in shear and too soft in what changes volumes, {:.2g} % of the number together, and one hides the other",
+          kNotReliable, 100 * std::abs(part.error / value));
+      part.error = NAN;
+    }
     if (part.source != kMeshPart || !(std::abs(part.error) > tuning::kCoarseShare * std::abs(value))) continue;
     part.why_not = fmt::format("{}: the mesh is too coarse for it ({:.2g} % of the number was found, and above {:g} % up to half is missed)",
                                kNotReliable, 100 * std::abs(part.error / value), 100 * tuning::kCoarseShare);
@@ -176,6 +190,7 @@ ErrorBudget budget_of(engine::Engine& engine, const model::ModelInput& input, co
     }
     out.exact = out.exact && adjoint.exact;
     budget.parts.push_back(blind->part(adjoint.mesh));
+    budget.parts.back().hidden = hidden_in(adjoint);
     if (contact) budget.parts.push_back({kGapPart, adjoint.layer, ""});
     budget.parts.push_back({kSolutionPart, adjoint.residual, ""});
     if (contact) budget.parts.push_back({kFacetsPart, NAN, "no estimate"});

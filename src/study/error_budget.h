@@ -23,6 +23,7 @@ struct ErrorPart {
   double error = NAN;   // what is to be added to the number; NaN: not estimated
   std::string why_not;  // then
   double found = NAN;   // the error that was found, relied on or not
+  double hidden = 0;    // of the mesh: what is too stiff and what is too soft, together, where one hides the other
 };
 
 struct QuantityBudget {
@@ -30,7 +31,7 @@ struct QuantityBudget {
   double scale = 0;              // what a number of its kind is large against: of a force all that holds the body, of a way the longest
   std::string why_not;           // nothing is known of this one
   std::vector<ErrorPart> parts;  // of the mesh first
-  void judge(double of_value);   // sets the value; a part of the mesh that is too much of it to be relied on becomes "not reliable"
+  void judge(double of_value);   // sets the value; a part of the mesh that cannot be relied on becomes "not reliable"
   double sum() const;            // of what is estimated
   bool complete() const;
   double share() const;  // of all that was found, relied on or not, of the number, or of what it is large against; NaN where nothing was

@@ -45,6 +45,9 @@ inline constexpr double kStruckShare = 0.01;
 // A mesh's part of an error from the jumps of stresses: above this share of the number it was between 0.44 and 0.82 of the true one, below between
 // 0.6 and 1.5 (benchmarks/effectivity).
 inline constexpr double kCoarseShare = 0.1;
+// Of one another, what a mesh makes too stiff and too soft: where the sum of both was left it was up to fifty times less than the error. And of the
+// number, both together: less is small whatever hides.
+inline constexpr double kHides = 0.4, kHiddenShare = 0.01;
 // Of all that holds a body, or of the longest way: what is smaller is what symmetry or balance leave, and shares of it say nothing
 // (error_budget.cpp).
 inline constexpr double kSmallest = 1e-4;

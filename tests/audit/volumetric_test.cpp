@@ -1,10 +1,11 @@
-// Which bodies are not averaged, and what is told of that.
+// Which bodies are averaged, how, and what is told of that.
 #include "audit/volumetric.h"
 
 #include <gtest/gtest.h>
 
 #include "geometry/midsides.h"
 #include "geometry/primitives.h"
+#include "model/volumetric.h"
 
 namespace mortise::audit {
 namespace {
@@ -22,19 +23,26 @@ model::ModelInput pad(int across, double nu, const char* volumetric = nullptr, b
 
 }  // namespace
 
-TEST(Volumetric, OneQuadraticElementAcrossIsNotAveragedAndDoubted) {
-  EXPECT_EQ(volumetric(pad(1, 0.45).bodies[0]), "full");
-  EXPECT_EQ(volumetric(pad(2, 0.45).bodies[0]), "averaged over every element");
-  EXPECT_EQ(volumetric(pad(1, 0.45, "averaged").bodies[0]), "averaged over every element");
-  EXPECT_EQ(single_elements(pad(1, 0.45)).size(), 1u);
-  EXPECT_TRUE(single_elements(pad(1, 0.3)).empty());
-  EXPECT_TRUE(single_elements(pad(2, 0.45)).empty());
-  EXPECT_TRUE(single_elements(pad(1, 0.45, nullptr, false)).empty()) << "linear elements are averaged over stars";
-  EXPECT_EQ(locking_risks(pad(1, 0.45)).size(), 1u);
+TEST(Volumetric, IsAveragedAboveTwoFifths) {
+  EXPECT_EQ(volumetric(pad(1, 0.4).bodies[0]), "full");
+  EXPECT_EQ(volumetric(pad(1, 0.45).bodies[0]), "averaged over every element");
+  EXPECT_EQ(volumetric(pad(1, 0.3, "averaged").bodies[0]), "averaged over every element");
+  EXPECT_TRUE(locking_risks(pad(1, 0.45)).empty());
+}
+
+// All of it at any time, and nothing on means that points of nu 0.25 bear.
+TEST(Volumetric, ActsAtPointsAndOnMeansOfQuadraticElements) {
+  for (const double nu : {0.2, 0.3, 0.45, 0.4999}) {
+    const model::Lambda full = model::lambda_of(1e6, nu, false, true), split = model::lambda_of(1e6, nu, true, true),
+                        linear = model::lambda_of(1e6, nu, true, false);
+    EXPECT_DOUBLE_EQ(split.at_points + split.of_mean, full.at_points);
+    EXPECT_NEAR(split.of_mean / full.at_points, std::max(0.0, 1 - (1 - 2 * nu) / (2 * nu)), 1e-12);
+    EXPECT_EQ(linear.at_points, 0);
+    EXPECT_EQ(full.of_mean, 0);
+  }
 }
 
 TEST(Volumetric, WhoSwitchesAveragesOffIsToldAndNotGraded) {
-  EXPECT_TRUE(single_elements(pad(1, 0.499, "full")).empty());
   EXPECT_EQ(locking_risks(pad(1, 0.499, "full")).size(), 1u);
   EXPECT_TRUE(locking_risks(pad(1, 0.45, "full")).empty()) << "quadratic elements hardly lock there";
   EXPECT_EQ(locking_risks(pad(2, 0.45, "full", false)).size(), 1u);

@@ -237,7 +237,9 @@ TEST_F(EnvironmentsProgram, AKilledEnvironmentIsNamed) {
     if (!(in >> host >> process) || process == child) continue;
     std::error_code ec;
     const auto threads = std::distance(fs::directory_iterator("/proc/" + std::to_string(process) + "/task", ec), fs::directory_iterator());
-    if (!ec) EXPECT_EQ(threads, 1) << "-j 1 is one thread, those of libraries included";
+    if (!ec) {
+      EXPECT_EQ(threads, 1) << "-j 1 is one thread, those of libraries included";
+    }
     killed += kill(process, SIGKILL) == 0;
   }
   EXPECT_EQ(wait_for(child), 1) << read_text(at("said.txt"));

@@ -17,7 +17,7 @@ using namespace mortise;
 
 namespace {
 
-constexpr double kE = 1e5, kNu = 0.3, kMu = kE / (2 * (1 + kNu)), kLambda = kE * kNu / ((1 + kNu) * (1 - 2 * kNu));
+constexpr double kE = 1e5, kNu = 0.4, kMu = kE / (2 * (1 + kNu)), kLambda = kE * kNu / ((1 + kNu) * (1 - 2 * kNu));
 
 using State = Eigen::Matrix<double, 8, 1>;  // e (xx yy zz xy yz zx), theta, p
 using Field = std::vector<Vec3>;
@@ -71,6 +71,8 @@ class States {
     return sum;
   }
   double volume(std::size_t t) const { return edges(t).determinant() / 6; }
+  // What of lambda acts on means.
+  double of_mean() const { return !averaged_ ? 0 : n_ == 4 ? kLambda : kLambda - kMu; }
 
  private:
   Index node(std::size_t t, int a) const { return a < 4 ? body_.tets[t].v[a] : body_.midsides[t].v[a - 4]; }
@@ -91,7 +93,7 @@ class States {
   State at(std::size_t t, const double l[4]) const {
     const Mat3 e = strain(t, l);
     State out;
-    out << e(0, 0), e(1, 1), e(2, 2), e(0, 1), e(1, 2), e(2, 0), e.trace(), kLambda * (averaged_ ? mean_[t] : e.trace());
+    out << e(0, 0), e(1, 1), e(2, 2), e(0, 1), e(1, 2), e(2, 0), e.trace(), of_mean() * mean_[t];
     return out;
   }
   const model::BodyInput& body_;
@@ -109,8 +111,9 @@ double product(const model::Model& m, const model::BodyInput& body, const Field&
   for (std::size_t t = 0; t < body.tets.size(); ++t)
     for (const geometry::TetRulePoint& p : geometry::tet_rule_5()) {
       const State a = of_u.jump(t, p.l), b = of_z.jump(t, p.l);
-      const double shear = a.head<3>().dot(b.head<3>()) + 2 * a.segment<3>(3).dot(b.segment<3>(3));
-      sum += p.weight * of_u.volume(t) * (2 * kMu * shear + a[7] * b[6] + a[6] * b[7] - a[7] * b[7] / kLambda);
+      const double shear = a.head<3>().dot(b.head<3>()) + 2 * a.segment<3>(3).dot(b.segment<3>(3)), of_mean = of_u.of_mean();
+      sum += p.weight * of_u.volume(t) *
+             (2 * kMu * shear + (kLambda - of_mean) * a[6] * b[6] + (averaged ? a[7] * b[6] + a[6] * b[7] - a[7] * b[7] / of_mean : 0));
     }
   return sum;
 }

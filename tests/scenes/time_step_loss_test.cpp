@@ -499,6 +499,41 @@ effects:
   EXPECT_LT(kinks("[" + keys + "]", "[" + cycloid + "]", "bdf2", 0.005), 0.05);
 }
 
+// A pad that is held, and that a block falls on, jolts as much: nobody told it to. Nor does a body that spins in flight swing.
+TEST(GivenKinks, AreOfWhatIsToldToMove) {
+  const Turned struck = turn(R"(
+mortise: 1
+name: struck
+time: {step: 0.2 ms, steps: 1}
+materials: {steel: {density: 7850}, gel: {youngs_modulus: 0.5 MPa, poisson_ratio: 0.3, density: 1000}}
+bodies:
+  pad: {type: soft, shape: {box: {size: [30 mm, 30 mm, 15 mm], edge_length: 7.5 mm}}, material: gel, position: [0, 0, -7.5 mm]}
+  block: {type: stiff, shape: {box: {size: [40 mm, 40 mm, 20 mm], edge_length: 40 mm}}, material: steel, position: [0, 0, 10.3 mm], velocity: [0, 0, -0.3]}
+effects:
+  inertia: {integrator: bdf2}
+  elasticity: {}
+  affine_body: {}
+  barrier_contact: {}
+  pin: [{body: pad, where: {side: z_min}}]
+)",
+                             60);
+  EXPECT_TRUE(std::isnan(struck.energy.given_kinks));
+  EXPECT_TRUE(std::isnan(struck.energy.given_lag));
+  const Turned spins = turn(R"(
+mortise: 1
+name: spins
+time: {step: 5 ms, steps: 1}
+materials: {steel: {density: 7850}}
+bodies:
+  box: {type: stiff, shape: {box: {size: [60 mm, 40 mm, 20 mm], edge_length: 20 mm}}, material: steel, angular_velocity: [0.5, 10, 0.2]}
+effects:
+  inertia: {integrator: bdf2}
+  affine_body: {}
+)",
+                            120);
+  EXPECT_FALSE(spins.energy.motion_lag > 0.05);
+}
+
 // A cube is lifted by 100 mm within 100 ms and then held: its weight tells the work.
 TEST(WorkLag, IsWhatTheWorkOfSupportsIsTooLargeBy) {
   const auto lifted = [](const std::string& integrator, double step) {

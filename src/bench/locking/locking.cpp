@@ -99,7 +99,7 @@ const std::vector<Case>& cases() {
        nullptr,
        meshed_beam,
        {5, 0, 0}},
-      {"Cook's membrane", {8, 16}, {0.36839, 0.31465, 0.31123, 0.31088}, 0.12, 0.02, panel_supports, panel, {48, 0, 60}},
+      {"Cook's membrane", {8, 16}, {0.36839, 0.31465, 0.31123, 0.31088}, 0.12, 0.025, panel_supports, panel, {48, 0, 60}},
       {"bonded pad", {4, 8}, {7.9939e-4, 4.8083e-4, 4.6080e-4, 4.5877e-4}, 0.02, 0.04, pad_supports, pad, {0, 0, 1}}};
   return all;
 }

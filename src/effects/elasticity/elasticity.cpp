@@ -120,7 +120,7 @@ class Elasticity final : public Effect {
   }
 
   void mend(Fault fault, double share) override {
-    if (fault == Fault::mesh) mended_ = share;
+    if (fault == Fault::mesh || fault == Fault::volumes) mended_ = share, sheared_ = fault == Fault::mesh;
   }
   // With the stresses of the leader: of its own, what is mended would grow with it.
   void keep_pace(const Effect&, Positions q) override {
@@ -128,7 +128,7 @@ class Elasticity final : public Effect {
     if (!missed_) missed_ = std::make_unique<elasticity::Missed>(model_);
     Tets tets(model_);
     const device::Buffer<double> pressure = with_pressures(tets, q);
-    missed_->mend(tets, q, mended_);
+    missed_->mend(tets, q, mended_, sheared_);
   }
 
   void report(const FieldSinks& sinks, const Linearisation& at) override {
@@ -195,7 +195,8 @@ class Elasticity final : public Effect {
   }
 
   model::Model& model_;
-  double mended_ = 0;  // a share of what the mesh leaves out
+  double mended_ = 0;    // a share of what the mesh leaves out
+  bool sheared_ = true;  // of all that, or else of changes of volume alone
   std::unique_ptr<elasticity::Missed> missed_;
 };
 

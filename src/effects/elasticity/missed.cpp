@@ -46,7 +46,7 @@ struct Elements {
     for (int p = 0; p < points(t); ++p) sum += extends(t, a, p) * of_points[tets.first_point[t] + p];
     return sum;
   }
-  // lambda where it acts on a mean, of the element or of its cluster; else 0.
+  // That which acts on a mean, of the element or of its cluster; else 0.
   MORTISE_HD double mean_lambda(Index t) const { return in_cluster(t) ? cluster_lambda[tets.cluster[t]] : tets.mean_lambda[t]; }
   MORTISE_HD bool in_cluster(Index t) const { return tets.cluster.n > 0 && tets.cluster[t] >= 0; }
 };
@@ -56,8 +56,9 @@ MORTISE_HD inline State state_of(const Element& e, const Mat3& F, bool averages)
   const double trace = s(0, 0) + s(1, 1) + s(2, 2);
   State out;
   out[6] = averages ? dilation(e.model, F) : trace / (2 * e.mu + 3 * e.lambda);
-  out[7] = (trace - 2 * e.mu * out[6]) / 3;
-  for (int k = 0; k < 3; ++k) out[k] = (s(k, k) - out[7]) / (2 * e.mu), out[3 + k] = s(k, (k + 1) % 3) / (2 * e.mu);
+  out[7] = averages ? (trace - (2 * e.mu + 3 * e.lambda) * out[6]) / 3 : 0;
+  const double pressure = e.lambda * out[6] + out[7];
+  for (int k = 0; k < 3; ++k) out[k] = (s(k, k) - pressure) / (2 * e.mu), out[3 + k] = s(k, (k + 1) % 3) / (2 * e.mu);
   return out;
 }
 
@@ -68,9 +69,10 @@ MORTISE_HD inline Mat3 stress_by(const State& u, double mu, double pressure) {
   return out;
 }
 
-MORTISE_HD inline double product(const State& u, const State& z, double mu, double lambda) {
+// lambda at points, and that of the mean, 0 without.
+MORTISE_HD inline double product(const State& u, const State& z, double mu, double lambda, double of_mean) {
   const double shear = u.head<3>().dot(z.head<3>()) + 2 * u.segment<3>(3).dot(z.segment<3>(3));
-  return 2 * mu * shear + u[7] * z[6] + u[6] * z[7] - (lambda > 0 ? u[7] * z[7] / lambda : 0);
+  return 2 * mu * shear + lambda * u[6] * z[6] + (of_mean > 0 ? u[7] * z[6] + u[6] * z[7] - u[7] * z[7] / of_mean : 0);
 }
 
 }  // namespace
@@ -106,7 +108,7 @@ Missed::Missed(const model::Model& model) : model_(model) {
   first_node_.upload(first_node), first_place_.upload(first_place), place_.upload(place), one_sided_.upload(one_sided);
 }
 
-void Missed::mend(const Tets& tets, Positions q, double share) {
+void Missed::mend(const Tets& tets, Positions q, double share, bool sheared) {
   const Elements in{tets, first_node_.view(), one_sided_.view(), model_.clusters.lambda.view()};
   device::Buffer<State> points(tets.volume.n), of_nodes(model_.blocks), of_places(place_.size());
   const View<State> s = points.view(), node = of_nodes.view(), at = of_places.view();
@@ -129,9 +131,9 @@ void Missed::mend(const Tets& tets, Positions q, double share) {
       for (int b = 0; b < n; ++b) sum += overlap(n, a, b) * jump[b];
       at[in.first_node[t] + a] = (in.one_sided[t] * in.volume(t)) * sum;
     }
-    const double lambda = in.mean_lambda(t) > 0 ? in.mean_lambda(t) : in.tets.lambda[t];
     energy[t] = 0;
-    for (int a = 0; a < n; ++a) energy[t] += 0.5 * product(at[in.first_node[t] + a], jump[a], in.tets.mu[t], lambda);
+    for (int a = 0; a < n; ++a)
+      energy[t] += 0.5 * product(at[in.first_node[t] + a], jump[a], sheared ? in.tets.mu[t] : 0, in.tets.lambda[t], in.mean_lambda(t));
   });
   energy_ = -share * device::sum("elasticity.missed_energy", energy.n, [=] MORTISE_HD(Index t) { return energy[t]; });
   // What that is to states: the way back through s*, and through what is taken off.
@@ -161,7 +163,7 @@ void Missed::mend(const Tets& tets, Positions q, double share) {
     }
     mean[c] = sum / cluster_volume[c];
   });
-  // Of a strain that nodes make: B by e, by theta, and by p, which is lambda times theta, or the mean of that.
+  // Of a strain that nodes make: B by e, by theta, and by p, which is the mean of lambda times theta.
   forces_.resize(place_.size());
   const View<Vec3> force = forces_.view();
   device::parallel_for("elasticity.missed_forces", tets.size(), [=] MORTISE_HD(Index t) {
@@ -179,8 +181,8 @@ void Missed::mend(const Tets& tets, Positions q, double share) {
     for (int a = 0; a < n; ++a) out[a] = Vec3::Zero();
     at_points(in.tets, t, q, [&](int p, const Element& e, const Mat3& F) {
       const State& of = s[first + p];
-      const double pressure = lambda > 0 ? of[7] + e.volume * lambda * over : e.lambda * of[6];
-      const Mat3 T = -share * stress_by(of, e.mu, pressure) * dilation_slope(e.model, F);
+      const double pressure = e.lambda * of[6] + (lambda > 0 ? of[7] + e.volume * lambda * over : 0);
+      const Mat3 T = -share * stress_by(of, sheared ? e.mu : 0, pressure) * dilation_slope(e.model, F);
       Vec3 g[10];
       if (n > 4)
         quadratic_gradients(e.dm_inverse, p, g);
