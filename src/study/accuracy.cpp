@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "engine/effect_tables.h"
 #include "run/signals.h"
@@ -24,7 +25,11 @@ class Search {
     if (scene::environment_count(scene.root) > 0)
       throw Error(Exit::usage, "--accuracy: of a scene with 'environments' choose one in a scene of its own");
     const auto& bodies = scene.root.at("bodies").entries();
-    soft_ = std::any_of(bodies.begin(), bodies.end(), [](const auto& b) { return b.second.text("type") == "soft"; });
+    for (const auto& [name, body] : bodies) {
+      if (body.text("type") != "soft") continue;
+      soft_ = true;
+      if (body.integer("order") == 1) linear_.push_back(name);
+    }
     study_.quantities = out_.quantities = quantities_of_goals(scene.root, wanted.goals);
     out_.goals = wanted.goals;
     const bool pressures =
@@ -113,10 +118,11 @@ class Search {
     return out_.attempts.size() - 1;
   }
 
-  double size(std::size_t k, const RunResult& r, int level) const {  // over that at the centre
+  double size(std::size_t k, const Attempt& a) const {  // over that at the centre
+    const RunResult& r = a.run;
     return knobs_[k].mesh && !knobs_[k].layer && r.dofs > 0 && r.dofs != here().dofs
                ? std::cbrt(static_cast<double>(here().dofs) / static_cast<double>(r.dofs))
-               : std::pow(knobs_[k].ratio, level);
+               : knobs_[k].size(a.levels[k]) / knobs_[k].size(centre_[k]);
   }
 
   bool same(const RunResult& r) const { return r.dofs == here().dofs && r.values == here().values; }
@@ -136,7 +142,7 @@ class Search {
     for (const Attempt* a : along) {
       if (moves && same(a->run)) continue;  // the same meshes: nothing was refined
       const int level = a->levels[k] - centre_[k];
-      out.add({level, size(k, a->run, level), a->run.values, std::max(a->run.process, kLeastCost) / std::max(here().process, kLeastCost)});
+      out.add({level, size(k, *a), a->run.values, std::max(a->run.process, kLeastCost) / std::max(here().process, kLeastCost)});
     }
     out.blind = knobs_[k].mesh && soft_ && !along.empty() && !moves;
     return out;
@@ -145,7 +151,10 @@ class Search {
   std::vector<Climb> climbs_here() const {
     std::vector<Climb> out;
     if (!by_budget_) {
-      for (std::size_t k = 0; k < knobs_.size(); ++k) out.push_back(climb_of(k));
+      for (std::size_t k = 0; k < knobs_.size(); ++k) {
+        out.push_back(climb_of(k));
+        if (const auto before = before_.find(here_); out[k].rungs.size() == 1 && before != before_.end()) out[k] = before->second[k];
+      }
       return out;
     }
     out = climbs_of_budgets(knobs_, budgets_here().value_or(std::vector<GoalBudget>(out_.goals.size(), {INFINITY, INFINITY})));
@@ -158,9 +167,10 @@ class Search {
     const auto neighbour = [&](int level) {
       Levels at = centre_;
       at[k] += level;
-      if (at[k] > finest_[k]) return;
-      const double dearer = std::pow(knobs_[k].ratio, -level * knobs_[k].dearer);
-      const std::size_t i = run(at, std::max(here().process, kLeastCost) * dearer);
+      if (at[k] > finest_[k] || knobs_[k].size(at[k]) == knobs_[k].size(level < 0 ? at[k] + 1 : at[k] - 1)) return;
+      const double expected = std::max(here().process, kLeastCost) * std::pow(knobs_[k].ratio, -level * knobs_[k].dearer);
+      if (expected > left()) return;
+      const std::size_t i = run(at, expected);
       if (out_.attempts[i].run.failed() && level > 0) {
         finest_[k] = at[k] - 1;
         out_.notes.push_back(fmt::format("{}: {}", out_.attempts[i].run.label, out_.attempts[i].run.message));
@@ -169,17 +179,28 @@ class Search {
     for (int level : {-1, -2, 1, 2}) {
       const Climb climb = climb_of(k);
       // Meshes that came out equal say nothing yet.
-      bool more = std::all_of(climb.rungs.begin(), climb.rungs.end(), [&](const Rung& r) { return r.values == here().values; });
-      const std::vector<double> most = goals();
-      for (std::size_t q = 0; q < most.size() && !more; ++q) more = climb.rungs.size() < 3 && climb.error(q, 0) > tuning::kAlone * most[q];
-      if (more) neighbour(level);
+      const bool more = std::all_of(climb.rungs.begin(), climb.rungs.end(), [&](const Rung& r) { return r.values == here().values; });
+      if (more || (climb.rungs.size() < 3 && !alone(climb))) neighbour(level);
     }
   }
 
+  // Does a knob leave so little that it need not be looked at?
+  bool alone(const Climb& climb) const {
+    const std::vector<double> most = goals();
+    for (std::size_t q = 0; q < most.size(); ++q)
+      if (climb.error(q, 0) > tuning::kAlone * most[q]) return false;
+    return true;
+  }
+
+  // Knobs that left next to nothing before are looked at again only where all hangs on it.
   void look_around() {
-    for (std::size_t k = 0; k < knobs_.size() && !by_budget_; ++k) look_along(k);
+    for (const bool all : {false, true}) {
+      for (std::size_t k = 0; k < knobs_.size() && !by_budget_; ++k)
+        if (all || !before_.contains(here_) || !alone(before_[here_][k])) look_along(k);
+      estimate_here();
+      if (!holds()) break;
+    }
     seen_.push_back(here_);
-    estimate_here();
   }
 
   void estimate_here() {
@@ -193,7 +214,8 @@ class Search {
   bool holds() const {
     const std::vector<double> most = goals();
     for (std::size_t q = 0; q < most.size(); ++q)
-      if (!(out_.attempts[here_].estimates[q] * (settles(out_.climbs, q) ? 1 : tuning::kUnknownOrder / tuning::kSafety) <= most[q])) return false;
+      if (!(out_.attempts[here_].estimates[q] * (settles(out_.climbs, q, most[q]) ? 1 : tuning::kUnknownOrder / tuning::kSafety) <= most[q]))
+        return false;
     return true;
   }
 
@@ -201,31 +223,37 @@ class Search {
     for (;;) {
       look_around();
       if (holds()) return void(out_.reached = true);
-      const Chosen next = choose_levels(out_.climbs, goals(), tuning::kAim, Levels(knobs_.size(), 0));
+      const double now = std::max(here().process, kLeastCost), most = left() / now / tuning::kForetold;
+      const Chosen next = choose_levels(out_.climbs, goals(), tuning::kAim, Levels(knobs_.size(), 0), most);
       Levels to = centre_;
       double cost = next.cost;
       for (std::size_t k = 0; k < knobs_.size(); ++k) to[k] += next.levels[k];
+      // Along ladders one knob at a time: its run tells for a part of the price what the others are worth there.
+      if (!by_budget_) to = centre_, to[next.first] += next.levels[next.first], cost = out_.climbs[next.first].cost(next.levels[next.first]);
       // On meshes that are too coarse other knobs seem to tend where they do not, to ladders: of what is far off the mesh first.
-      if (to == centre_ || (!by_budget_ && !next.reached && knobs_[most_left(next.worst)].mesh)) {
-        const std::size_t k = most_left(next.worst);
+      const std::size_t k = most_left(next.worst);
+      if (to == centre_ || (!by_budget_ && !next.reached && knobs_[k].mesh && out_.climbs[k].cost(1) <= most)) {
         if (centre_[k] >= finest_[k])
           return void(out_.why_not =
                           fmt::format("'{}' does not settle, and {} is not refined any further", out_.quantities[next.worst].name, out_.knobs[k]));
         to = centre_, ++to[k], cost = out_.climbs[k].cost(1);
       }
-      const std::size_t i = run(to, std::max(here().process, kLeastCost) * cost);
+      const std::size_t i = run(to, now * cost * tuning::kForetold);
       if (out_.attempts[i].run.failed()) return void(out_.why_not = out_.attempts[i].run.label + ": " + out_.attempts[i].run.message);
+      before_.erase(i);
+      if (!by_budget_)
+        for (std::size_t n = 0; n < knobs_.size(); ++n) before_[i].push_back(out_.climbs[n].around(to[n] - centre_[n], out_.attempts[i].run.values));
       centre_ = to, here_ = i;
     }
   }
 
-  // The mesh where it has a part in it: the others are seen well on good meshes only.
+  // The knob that leaves most.
   std::size_t most_left(std::size_t q) const {
     std::size_t worst = 0;
     double most = -1;
     for (std::size_t k = 0; k < knobs_.size(); ++k) {
-      const double error = out_.climbs[k].error(q, 0) * (knobs_[k].mesh ? tuning::kUnknownOrder : 1);
-      if (error > most && centre_[k] < finest_[k]) most = error, worst = k;
+      const double error = out_.climbs[k].error(q, 0);
+      if (error > most) most = error, worst = k;
     }
     return worst;
   }
@@ -252,6 +280,19 @@ class Search {
     for (std::size_t k = 0; k < knobs_.size(); ++k) {
       for (const auto& s : knobs_[k].settings(centre_[k])) out_.settings.push_back(s);
     }
+    if (!out_.reached) hint_at_order(asked);
+  }
+
+  // Quadratic elements are no knob of ours, but often what a mesh of linear ones asks for.
+  void hint_at_order(const std::vector<double>& asked) {
+    for (std::size_t q = 0; q < asked.size(); ++q) {
+      const AutoKnob& most = knobs_[most_left(q)];
+      if (linear_.empty() || !most.mesh || !(out_.climbs[most_left(q)].error(q, 0) > tuning::kAlone * asked[q])) continue;
+      std::string set;
+      for (const std::string& body : linear_) set += fmt::format(" --set bodies.{}.order=2", body);
+      return out_.notes.push_back(fmt::format("most of what '{}' lacks is left by a mesh of linear elements: quadratic ones may reach it sooner ({})",
+                                              out_.quantities[q].name, set.substr(1)));
+    }
   }
 
   static constexpr double kLeastCost = 0.05;  // CPU time of a process that does nothing [s]
@@ -262,12 +303,14 @@ class Search {
   Study study_;
   std::vector<AutoKnob> knobs_;
   bool by_budget_ = false;
-  bool soft_ = false;  // there are soft bodies, so that another mesh has other unknowns
+  bool soft_ = false;                // there are soft bodies, so that another mesh has other unknowns
+  std::vector<std::string> linear_;  // those of linear elements
   Accuracy out_;
   Levels centre_;         // the run that neighbours are compared with
   std::size_t here_ = 0;  // its number
   std::vector<int> finest_;
-  std::vector<std::size_t> seen_;  // the centres so far
+  std::vector<std::size_t> seen_;                     // the centres so far
+  std::map<std::size_t, std::vector<Climb>> before_;  // by centre: what was known of its knobs when it was chosen
 };
 
 }  // namespace

@@ -7,22 +7,33 @@
 
 #include "effects/roles.h"
 #include "scene/edge_lengths.h"
+#include "scene/scene.h"
 #include "study/tuning.h"
 
 namespace mortise::study {
+
+static long steps_at(const AutoKnob& knob, int level) {
+  return std::max(1L, std::lround(static_cast<double>(knob.steps) / std::pow(knob.ratio, level)));
+}
 
 Settings AutoKnob::settings(int level) const {
   Settings out;
   const double factor = std::pow(ratio, level);
   for (const Path& p : paths)
-    if (level != 0 || p.set)
-      out.emplace_back(p.path, p.whole ? fmt::format("{}", static_cast<long>(std::lround(p.base / factor))) : fmt::format("{:.9g}", p.base * factor));
+    if (level != 0 || p.set) out.emplace_back(p.path, fmt::format("{:.9g}", p.base * factor));
+  if (steps == 0 || level == 0) return out;
+  const long n = steps_at(*this, level);
+  if (end > 0) out.emplace_back("time.step", fmt::format("{:.15g}", end / static_cast<double>(n)));
+  out.emplace_back("time.steps", std::to_string(n));
   return out;
 }
 
+double AutoKnob::size(int level) const {
+  return steps > 0 ? static_cast<double>(steps) / static_cast<double>(steps_at(*this, level)) : std::pow(ratio, level);
+}
+
 std::string AutoKnob::label(int level) const {
-  const double factor = std::pow(1 / ratio, std::abs(level));
-  return level == 0 ? "" : fmt::format("{} {} {:.3g}", name, level > 0 ? "/" : "x", factor);
+  return level == 0 ? "" : fmt::format("{} {} {:.3g}", name, level > 0 ? "/" : "x", level > 0 ? 1 / size(level) : size(level));
 }
 
 namespace {
@@ -50,16 +61,14 @@ std::vector<AutoKnob> auto_knobs(const Params& scene, bool pressures) {
     const Params& block = scene.at("effects").at(contact);
     const double given = is_number(block, "d_hat") ? block.number("d_hat") : 0;
     const bool thicker = pressures && !is_number(block, "stiffness") && finest < INFINITY && given < tuning::kPressureLayer * finest;
-    if (given > 0 || thicker)
-      layer.paths.push_back({"effects." + contact + ".d_hat", thicker ? tuning::kPressureLayer * finest : given, false, thicker});
+    if (given > 0 || thicker) layer.paths.push_back({"effects." + contact + ".d_hat", thicker ? tuning::kPressureLayer * finest : given, thicker});
   }
   if (!mesh.paths.empty()) out.push_back(mesh);
   if (!layer.paths.empty()) out.push_back(layer);
-  const Params& time = scene.at("time");
-  if (time.text("mode") != "static")
-    out.push_back({"time step", 0.5, 1, false, false, {{"time.step", time.number("step"), false}}});
-  else if (!effects::of_role(scene.at("effects"), effects::Role::follower).empty())
-    out.push_back({"load steps", 0.5, 1, false, false, {{"time.steps", static_cast<double>(time.integer("steps")), true}}});
+  const bool statics = scene.at("time").text("mode") == "static";
+  AutoKnob time{statics ? "load steps" : "time step", 0.5, 1, false, false, {}};
+  time.steps = scene.at("time").integer("steps"), time.end = statics ? 0 : scene::end_time(scene);
+  if (!statics || !effects::of_role(scene.at("effects"), effects::Role::follower).empty()) out.push_back(time);
   return out;
 }
 

@@ -16,12 +16,14 @@ struct AutoKnob {
   bool layer = false;              // of contact; beside a mesh that came out as it could, this has the size that was asked for
   struct Path {
     std::string path;
-    double base;         // at level 0, SI
-    bool whole = false;  // a whole number, that grows
-    bool set = false;    // at level 0 too: the scene has it otherwise
+    double base;       // at level 0, SI
+    bool set = false;  // at level 0 too: the scene has it otherwise
   };
   std::vector<Path> paths;
+  long steps = 0;  // of the scene, where their number is what is refined
+  double end = 0;  // and the time at which all runs end, whatever steps they take there; 0: of load steps [s]
   Settings settings(int level) const;
+  double size(int level) const;        // over that at level 0; that of steps goes by their whole number
   std::string label(int level) const;  // "mesh / 1.4"
 };
 

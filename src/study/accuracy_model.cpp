@@ -95,6 +95,19 @@ void Climb::add(Rung rung) {
     rungs.insert(after, std::move(rung));
 }
 
+Climb Climb::around(int level, const std::vector<double>& at) const {
+  Climb out = *this;
+  out.rungs.clear(), out.finest -= level;
+  const auto moved = [&](const Rung& r) {
+    Rung to{r.level - level, r.size / size(level), {}, r.cost / cost(level)};
+    for (std::size_t q = 0; q < at.size(); ++q) to.values.push_back(at[q] + r.values[q] - value(q, level));
+    return to;
+  };
+  for (const Rung& r : rungs) out.add(moved(r));
+  out.add({0, 1, at, 1});
+  return out;
+}
+
 double estimate(const std::vector<Climb>& climbs, std::size_t q, const Levels& at) {
   double sum = 0, squares = 0;
   for (std::size_t k = 0; k < climbs.size(); ++k) {
@@ -104,30 +117,35 @@ double estimate(const std::vector<Climb>& climbs, std::size_t q, const Levels& a
   return std::max(std::abs(sum), std::sqrt(squares));
 }
 
-bool settles(const std::vector<Climb>& climbs, std::size_t q) {
-  return std::all_of(climbs.begin(), climbs.end(), [q](const Climb& c) { return c.settles(q); });
+bool settles(const std::vector<Climb>& climbs, std::size_t q, double goal) {
+  return std::all_of(climbs.begin(), climbs.end(), [&](const Climb& c) { return c.settles(q) || c.error(q, 0) <= tuning::kAlone * goal; });
 }
 
-Chosen choose_levels(const std::vector<Climb>& climbs, const std::vector<double>& goals, double share, const Levels& from) {
+Chosen choose_levels(const std::vector<Climb>& climbs, const std::vector<double>& goals, double share, const Levels& from, double most_cost) {
   Chosen out{from, 1, false, 0};
   for (;;) {
     out.cost = 1;
     for (std::size_t k = 0; k < climbs.size(); ++k) out.cost *= climbs[k].cost(out.levels[k]);
     if (worst_share(climbs, goals, out.levels, out.worst) <= share) return out.reached = true, out;
-    // One level of one knob at a time: farther steps are reached by several.
+    // One step of one knob at a time, to the next level that is any better: of a ladder that does not settle finer runs may be there that are not.
     std::vector<Knob> knobs;
+    Levels next = out.levels;
     for (std::size_t k = 0; k < climbs.size(); ++k) {
+      const Climb& c = climbs[k];
       Knob knob;
-      knob.base_error = climbs[k].error(out.worst, out.levels[k]);
-      if (out.levels[k] < std::min(climbs[k].finest, from[k] + tuning::kFarthest)) {
-        knob.error.push_back(climbs[k].error(out.worst, out.levels[k] + 1));
-        knob.cost.push_back(climbs[k].cost(out.levels[k] + 1) / climbs[k].cost(out.levels[k]));
+      knob.base_error = c.error(out.worst, out.levels[k]);
+      do ++next[k];
+      while (next[k] <= from[k] + tuning::kFarthest && !(c.error(out.worst, next[k]) < knob.base_error));
+      if (next[k] <= c.finest && knob.base_error > tuning::kAlone * estimate(climbs, out.worst, out.levels)) {
+        knob.error.push_back(c.error(out.worst, next[k]));
+        knob.cost.push_back(c.cost(next[k]) / c.cost(out.levels[k]));
       }
       knobs.push_back(knob);
     }
-    const auto move = best_move(knobs, std::vector<std::size_t>(knobs.size(), kBase), INFINITY);
-    if (!move) return out;
-    ++out.levels[move->knob];
+    const auto move = best_move(knobs, std::vector<std::size_t>(knobs.size(), kBase), most_cost / out.cost);
+    if (!move || next[move->knob] > from[move->knob] + tuning::kFarthest) return out;
+    if (out.levels == from) out.first = move->knob;
+    out.levels[move->knob] = next[move->knob];
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 // What is known of a scene's knobs while an accuracy is looked for: how its numbers change along each, and what each still leaves. No runs in here.
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,8 @@ struct Climb {
   double error(std::size_t quantity, int level) const;  // the size of that with its uncertainty, never less than it
   bool settles(std::size_t quantity) const;             // a budget or a limit is behind that, and not what runs scatter by
   void add(Rung rung);
+  // The same ladder around a run with this knob at `level` and others elsewhere too, whose values these are: errors of knobs add up to first order.
+  Climb around(int level, const std::vector<double>& values) const;
 };
 
 using Levels = std::vector<int>;  // one per knob
@@ -47,17 +50,20 @@ using Levels = std::vector<int>;  // one per knob
 // What is to be added to a run's number is no more than this: what all knobs leave together, or the root of the squares of what each does, as errors
 // that cancel make no run better.
 double estimate(const std::vector<Climb>& climbs, std::size_t quantity, const Levels& at);
-bool settles(const std::vector<Climb>& climbs, std::size_t quantity);  // along all of them
+bool settles(const std::vector<Climb>& climbs, std::size_t quantity, double goal);  // along all that leave a part of it worth it
 
-// From `from` the levels at which the estimate is expected to be below `share` of every goal (absolute, one per quantity): always the
-// knob that takes away most error per time (greedy.h). No farther than
-// tuning::kFarthest levels of a knob, as what lies beyond is not like what was seen; `reached` is false where none of these are fine enough.
+// From `from` the levels at which the estimate is expected to be below `share` of every goal (absolute, one per quantity), within `most_cost`: always
+// the knob that takes away most error per time (greedy.h), among those that leave a part of all that is worth it. No farther than tuning::kFarthest
+// levels of a knob: what lies beyond is not like what was seen, and until it was other knobs wait. `reached` is false where none of these are fine
+// enough.
 struct Chosen {
   Levels levels;
   double cost = 1;  // expected, over that at level 0
   bool reached = false;
   std::size_t worst = 0;  // quantity
+  std::size_t first = 0;  // the knob that was moved first
 };
-Chosen choose_levels(const std::vector<Climb>& climbs, const std::vector<double>& goals, double share, const Levels& from);
+Chosen choose_levels(const std::vector<Climb>& climbs, const std::vector<double>& goals, double share, const Levels& from,
+                     double most_cost = INFINITY);
 
 }  // namespace mortise::study

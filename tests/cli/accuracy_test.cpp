@@ -11,6 +11,7 @@ namespace mortise::cli {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 namespace fs = std::filesystem;
 
 class AccuracyProgram : public ::testing::Test {
@@ -33,6 +34,7 @@ TEST_F(AccuracyProgram, RefinesUntilTheEstimateHolds) {
   const Result r = run("--accuracy fall=4%");
   ASSERT_EQ(r.code, 0) << r.err << r.out;
   EXPECT_THAT(r.out, HasSubstr("reached"));
+  EXPECT_THAT(r.err, Not(HasSubstr("do not end")));  // four times the step: 2.5 of them
   const auto j = found();
   const double value = j["goals"][0]["value"], estimate = j["goals"][0]["estimated_error"], error = std::abs(value + 0.04905);
   EXPECT_LT(error, 0.04 * 0.04905);
@@ -89,6 +91,32 @@ TEST_F(AccuracyProgram, TellsWhatTheCertificateDoubts) {
          "quantities: [{name: way, value: displacement, body: col, point: [0, 0, 75 mm], axis: z}]\n";
   const Result r = mortise("run strut.yaml -o strut --threads 1 --no-render --accuracy way=5%", folder_);
   EXPECT_THAT(r.out, HasSubstr("is graded for, C: buckling is 0.5")) << r.err;
+}
+
+// A rod falls into its support: its largest force is wrong by the step, and by next to nothing for its mesh.
+TEST_F(AccuracyProgram, RefinesWhatLeavesMost) {
+  std::ofstream(folder_ + "/rod.yaml")
+      << "mortise: 1\nname: rod\ntime: {step: 1 ms, steps: 30}\n"
+         "materials: {rub: {youngs_modulus: 0.1 MPa, poisson_ratio: 0, density: 1000}}\n"
+         "bodies:\n  rod: {type: soft, shape: {box: {size: [20 mm, 20 mm, 100 mm], edge_length: 8 mm}}, material: rub}\n"
+         "effects: {inertia: {integrator: backward_euler}, elasticity: {}, gravity: {}, pin: [{body: rod, where: {side: z_max}}]}\n"
+         "quantities: [{name: most, value: supports/rod_z, when: largest}]\n";
+  const Result r = mortise("run rod.yaml -o out --threads 1 --accuracy most=15%", folder_);
+  EXPECT_EQ(r.code, 0) << r.err << r.out;
+  for (const auto& run : found()["runs"]) EXPECT_THAT(run["label"].get<std::string>(), Not(HasSubstr("mesh /")));
+}
+
+TEST_F(AccuracyProgram, NamesQuadraticElementsWhereLinearOnesAreWrong) {
+  std::ofstream(folder_ + "/beam.yaml")
+      << "mortise: 1\nname: beam\ntime: {mode: static, steps: 1}\n"
+         "materials: {rub: {model: linear, youngs_modulus: 10 MPa, poisson_ratio: 0, density: 1000}}\n"
+         "bodies:\n  beam: {type: soft, shape: {box: {size: [100 mm, 10 mm, 5 mm], edge_length: 2.5 mm}}, material: rub}\n"
+         "effects:\n  elasticity: {}\n  pin: [{body: beam, where: {side: x_min}}, {body: beam, where: {side: x_max}, motion: {time: [0, 1], "
+         "translation: [[0, 0, 0], [0, 0, -0.5 mm]]}}]\n"
+         "quantities: [{name: energy, value: elasticity/energy}]\n";
+  const Result r = mortise("run beam.yaml -o out --threads 1 --accuracy energy=1% --accuracy-budget '1.5 s'", folder_);
+  EXPECT_EQ(r.code, 7) << r.err << r.out;
+  EXPECT_THAT(r.out, HasSubstr("--set bodies.beam.order=2"));
 }
 
 TEST_F(AccuracyProgram, SaysWhatItCouldNotReach) {

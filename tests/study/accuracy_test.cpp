@@ -61,8 +61,40 @@ TEST(Accuracy, TheCheapKnobGoesFirstAndNoneTooFar) {
   EXPECT_EQ(near.levels[0], 0);
   const Chosen far = choose_levels(climbs, {1e-6}, 1, {0, 0});
   EXPECT_FALSE(far.reached);
-  EXPECT_EQ(far.levels, (Levels{2, 2}));
+  EXPECT_EQ(far.levels, (Levels{0, 2})) << "the other waits until the new run was looked at";
   EXPECT_TRUE(choose_levels(climbs, {1}, 1, {0, 0}).reached);
+}
+
+TEST(Accuracy, WhatLeavesLittleIsNotRefinedForIt) {
+  // Differences grow: no order is seen, and the next level that runs have told is no better than this one.
+  Climb unsettled;
+  unsettled.ratio = 0.5, unsettled.dearer = 1, unsettled.finest = 10;
+  for (const auto& [level, value] : {std::pair{-1, 1.0}, {0, 1.1}, {1, 1.2}})
+    unsettled.add({level, std::pow(0.5, level), {value}, std::pow(2, level)});
+  const std::vector<Climb> climbs{knob(0.001, 1, 0.5, 0.1), unsettled};
+  EXPECT_EQ(choose_levels(climbs, {0.01}, 1, {0, 0}).levels, (Levels{0, 2})) << "over the level that is no better";
+  EXPECT_EQ(choose_levels(climbs, {0.01}, 1, {0, 0}, 3).levels, (Levels{0, 0})) << "too dear, and the other is not worth it";
+  EXPECT_FALSE(settles(climbs, 0, 0.01));
+  EXPECT_TRUE(settles(climbs, 0, 10)) << "what scatters by next to nothing";
+}
+
+TEST(Accuracy, LaddersGoOnWhereOtherKnobsWereMoved) {
+  const Climb k = knob(0.1, 2, 0.5, 3), moved = k.around(1, {2 + 0.1 / 4});
+  EXPECT_NEAR(moved.limit(0).value, 2, 1e-9);
+  EXPECT_NEAR(moved.left(0, 0), -0.1 / 4, 1e-9);
+  EXPECT_NEAR(moved.left(0, -1), -0.1, 1e-9);
+  EXPECT_NEAR(moved.cost(-1), 1.0 / 8, 1e-6);
+}
+
+TEST(Accuracy, StepsEndWhereTheSceneDoes) {
+  AutoKnob k{"time step", 0.5, 1, false, false, {}};
+  k.steps = 30, k.end = 0.03;
+  EXPECT_EQ(k.settings(-2), (Settings{{"time.step", "0.00375"}, {"time.steps", "8"}}));
+  EXPECT_EQ(k.label(-2), "time step x 3.75");
+  EXPECT_NEAR(k.size(-2), 3.75, 1e-12);
+  EXPECT_EQ(k.settings(1), (Settings{{"time.step", "0.0005"}, {"time.steps", "60"}}));
+  EXPECT_TRUE(k.settings(0).empty());
+  EXPECT_EQ(k.size(-9), k.size(-5)) << "one step is the least";
 }
 
 TEST(Accuracy, WhatScattersIsNoBetterThanItScatters) {
