@@ -65,6 +65,19 @@ Limit richardson(const std::vector<double>& h, const std::vector<double>& q, std
   return out;
 }
 
+// Of a ladder whose last differences are small by chance, as they fell faster than those of any method do: the last one that they cannot have come
+// from.
+double jumped(const std::vector<double>& h, const std::vector<double>& q) {
+  double out = 0;
+  for (std::size_t i = q.size() - 1; i > 1; --i) {
+    const double far = q[i - 2] - q[i - 1], near = q[i - 1] - q[i], p = tuning::kMostOrder;
+    const double fastest = (std::pow(h[i - 2], p) - std::pow(h[i - 1], p)) / (std::pow(h[i - 1], p) - std::pow(h[i], p));
+    if (!(std::abs(far) > fastest * std::abs(near))) break;
+    out = std::abs(far);
+  }
+  return out;
+}
+
 }  // namespace
 
 double any_number(const std::string& text) {
@@ -106,6 +119,7 @@ Limit limit_of(const std::vector<double>& sizes, const std::vector<double>& valu
   if (n < 3) return because("a limit needs three");
   if (sizes.size() != n) return because("no sizes are known that fall along the ladder");
   Limit limit = richardson(sizes, values, n - 1);
+  if (!limit.extrapolated) limit.uncertainty = std::max(limit.uncertainty, jumped(sizes, values));
   if (!limit.extrapolated || n < 4) return limit;
   const Limit before = richardson(sizes, values, n - 2);
   if (!before.extrapolated) return limit;

@@ -28,7 +28,7 @@ double any_number(const std::string& text);
 // whatever the ratios of the sizes h1 > h2 > h3 are (Roache, Verification and Validation in Computational Science and Engineering, 1998,
 // ch. 5). The last value itself where differences change sign, no order between 0.5 and 5 explains them, or no sizes are known.
 // Uncertainty: 1.25 |q - q3| from three values; from four or more 1.25 times the change of the limit by the last of them (and no less than a tenth of
-// |q - q3|); without a limit 3 |q2 - q3|, and no less than |q1 - q2| where differences change sign.
+// |q - q3|); without a limit 3 |q2 - q3|, and no less than |q1 - q2| where differences change sign or fall faster than at order 5.
 Limit limit_of(const std::vector<double>& sizes, const std::vector<double>& values);
 
 }  // namespace mortise::study

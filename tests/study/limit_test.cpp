@@ -53,6 +53,13 @@ TEST(Limit, UncertaintyHoldsTheTruth) {
   EXPECT_EQ(limit_of({4, 2, 1}, {7, 7, 7}).uncertainty, 0);
 }
 
+// Two equal neighbours make no limit where the ladder has just jumped: the next steps of the first went on to 7.679 and 8.319.
+TEST(Limit, IsNoBetterKnownThanTheLadderJumps) {
+  EXPECT_NEAR(limit_of({16, 8, 4, 2, 1}, {6.685, 6.685, 6.240, 7.2556, 7.2557}).uncertainty, 1.0156, 1e-9);
+  EXPECT_NEAR(limit_of({8, 4, 2, 1}, {5, 6, 6.001, 6.001}).uncertainty, 1, 1e-9);
+  EXPECT_NEAR(limit_of({16, 8, 4, 2, 1}, {1.8, 1.2, 1.01, 1.0003, 1.0002}).uncertainty, 0.0097, 1e-9) << "that it came from";
+}
+
 TEST(Limit, LaddersHaveSizes) {
   EXPECT_THAT(ladder_sizes({"2 mm", "1500 um", "1 mm"}), testing::Pointwise(testing::DoubleNear(1e-15), {2e-3, 1.5e-3, 1e-3}));
   EXPECT_THAT(ladder_sizes({"2", "4", "10"}), testing::Pointwise(testing::DoubleNear(1e-15), {0.5, 0.25, 0.1}));
