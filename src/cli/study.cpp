@@ -14,6 +14,7 @@
 #include "study/claim.h"
 #include "study/effects_off.h"
 #include "study/error_budget.h"
+#include "study/orders.h"
 #include "study/read.h"
 #include "study/report.h"
 #include "study/run_study.h"
@@ -116,11 +117,12 @@ int cmd_study(const StudyOptions& o) {
     std::cout << study::sensitivity_table(s, found) << "written to " << place.folder << ": sensitivity.csv\n";
     return 0;
   }
-  const study::Plan plan = study::plan_of(s);
+  const study::Study apart = study::orders_apart(s);
+  const study::Plan plan = study::plan_of(apart);
   if (o.dry_run) return list_runs(plan), 0;
   const study::StudyFolder folder(place.folder);
   if (!o.overwrite) study::refuse_another_study(s, "study", place.folder);
-  const study::Results results = study::run_study(s, place, {told_run});
+  const study::Results results = study::run_study(apart, place, {told_run});
   study::note_study(s, "study", place.folder);
   study::write_reports(results, place.folder);
   std::cout << study::text_report(results) << "written to " << place.folder << ": study.html, work_precision.svg and .png, points.csv, study.json"

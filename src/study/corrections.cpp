@@ -98,6 +98,7 @@ std::vector<OnCurve> joint_steps(const Plan& plan, const Results& r) {
 
 Planned joint_run(const Study& study, const Plan& plan, const std::vector<OnCurve>& steps) {
   Planned out;
+  out.label = study.methods.front().name;
   for (const OnCurve& at : steps) {
     const Ladder& ladder = study.ladders[plan.curves[at.curve].ladder];
     const Ladder::Step& step = ladder.steps[at.step];

@@ -15,12 +15,14 @@ std::string recommended_yaml(const Results& r) {
   if (!r.study.benchmark.empty() || knee == r.points.end()) return "";
   const Reference& ref = r.references[0];
   std::string out = fmt::format("# {}, with the settings where the front of a study of '{}' bends:\n", r.study.scene, r.study.quantities[0].name);
+  const Method& method = r.study.methods[knee->method];
+  for (const std::string& set : method.set) out += "#   " + set + "\n";
   for (const auto& [path, value] : knee->settings) out += fmt::format("#   {}={}\n", path, value);
-  if (knee->settings.empty()) out += "#   those that it has\n";
+  if (knee->settings.empty() && method.set.empty()) out += "#   those that it has\n";
   out += fmt::format("# Error {} in {} of CPU time, compared with {:.8g} ({}).\n",
                      error_text(std::max(knee->error, knee->hollow ? ref.uncertainty / ref.scale : 0.0), ref), seconds_text(knee->seconds), ref.value,
                      ref.how);
-  return out + variant_of(r.study, r.study.methods[knee->method], knee->settings, true).yaml;
+  return out + variant_of(r.study, method, knee->settings, true).yaml;
 }
 
 void write_reports(const Results& r, const std::string& folder) {

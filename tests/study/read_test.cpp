@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "place.h"
+#include "study/orders.h"
 #include "study/plan.h"
 
 using namespace mortise;
@@ -95,6 +96,21 @@ TEST_F(StudyFile, MethodsLeaveEffectsOut) {
   EXPECT_THAT(plan.runs[plan.base[1]].variant.yaml, testing::Not(HasSubstr("friction:")));
   EXPECT_THAT(wrong(kQuantity + "ladders:\n  - {knob: time.step, values: [4 ms, 2 ms]}\nmethods:\n  - {name: slides, without: frictoin}\n"),
               testing::AllOf(HasSubstr("s.yaml:7:5: error:"), HasSubstr("did you mean 'friction'")));
+}
+
+// Mesh and order leave the same error: the reference is that of the meshes of the highest order, and nothing is added to it for the order.
+TEST_F(StudyFile, OrdersBesideMeshesAreMethods) {
+  const std::string mesh = "  - {knob: bodies.block.shape.box.edge_length, values: [4 mm, 2 mm]}\n",
+                    order = "  - {name: order, knob: bodies.block.order, values: [1, 2]}\n";
+  const Study s = orders_apart(read(kQuantity + "ladders:\n" + mesh + order + "methods:\n  - {name: a}\n  - {name: b, set: time.steps=3}\n"));
+  ASSERT_EQ(s.ladders.size(), 1u);
+  ASSERT_EQ(s.methods.size(), 4u);
+  EXPECT_EQ(s.methods[0].name, "a, order 2");
+  EXPECT_EQ(s.methods[1].name, "a, order 1");
+  EXPECT_THAT(s.methods[2].set, testing::ElementsAre("time.steps=3", "bodies.block.order=2"));
+  EXPECT_EQ(orders_apart(read(kQuantity + "ladders:\n" + order)).ladders.size(), 1u) << "alone it is a knob like others";
+  EXPECT_EQ(orders_apart(read(kQuantity + "ladders:\n  - {knob: bodies.other.shape.box.edge_length, values: [4 mm, 2 mm]}\n" + order)).ladders.size(),
+            2u);
 }
 
 // Falling for 0.1 s whatever the step is, and never compared at different times.
