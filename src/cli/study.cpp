@@ -148,7 +148,7 @@ void add_study(Command app, Context& context) {
              "its right value in SI, one per --qoi; default: the limit of the ladder (Richardson, order observed), with its uncertainty");
   sub.option("-o,--output", o->output, "folder of runs, figures and tables; default out/study, of a study's file out/<its name>");
   const Flag repeat = sub.option("--repeat", o->repeats, "runs of every setting; the fastest counts").positive();
-  const Flag limit = sub.time("--limit", o->limit, "CPU time after which a run counts as failed, e.g. '60 s'");
+  const Flag limit = sub.time("--limit", o->limit, "CPU time of its steps after which a run counts as failed, e.g. '60 s'");
   const Flag effects = sub.flag("--effects", o->effects, "run with every effect off in turn instead: time saved and change of each quantity")
                            .excludes(vary)
                            .excludes(one);

@@ -100,7 +100,7 @@ class Search {
       Planned planned{0, settings, label.empty() ? "as it is" : label, {}};
       try {
         planned.variant = variant_of(study_, study_.methods.front(), settings);
-        a.run = execute(planned, place_, 1, std::max(1.0, left()));
+        a.run = execute(planned, place_, 1, {0, std::max(1.0, left())});
         measure_all(study_, place_, a.run);
       } catch (const scene::SceneErrors& e) {  // of a scene that is coarser or finer than it can be
         if (label.empty()) throw;

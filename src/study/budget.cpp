@@ -30,8 +30,7 @@ class Budget {
     RunResult out;
     out.label = p.label, out.code = static_cast<int>(Exit::stopped), out.message = kNotRun, out.values.assign(study_.quantities.size(), NAN);
     if (expected > left_ || left_ < 1) return out;
-    const double limit = study_.limit > 0 ? std::min(study_.limit, left_) : left_;
-    out = execute(p, place_, study_.repeats, limit);
+    out = execute(p, place_, study_.repeats, {study_.limit, left_});
     left_ -= out.process;
     measure_all(study_, place_, out);
     done_.emplace_back(p.variant.id, out);

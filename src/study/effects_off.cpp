@@ -64,7 +64,7 @@ std::vector<WithoutEffect> run_without_effects(const Study& study, const Place& 
   const auto all = static_cast<std::size_t>(std::count_if(out.begin(), out.end(), [](const WithoutEffect& w) { return w.needed.empty(); }));
   for (std::size_t i = 0, done = 0; i < out.size(); ++i) {
     if (!out[i].needed.empty()) continue;
-    out[i].run = execute(plans[i], place, study.repeats, study.limit);
+    out[i].run = execute(plans[i], place, study.repeats, {study.limit});
     if (i > 0 && out[i].run.code == static_cast<int>(Exit::scene)) {  // what only the engine finds: a joint that a drive names
       out[i].needed = out[i].run.message;
       continue;

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -38,42 +39,68 @@ double number(const Json& j, const char* block, const char* key) {
              : NAN;
 }
 
+enum class Over { none, steps, process };
+
 struct Ended {
   int code;
   double cpu;  // of the process [s]
+  Over over;   // for which it was ended
 };
 
+double cpu_of(pid_t child) {
+  clockid_t clock{};
+  timespec t{};
+  if (clock_getcpuclockid(child, &clock) != 0 || clock_gettime(clock, &t) != 0) return 0;
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+// Its steps begin when there is a file for their fields. What is written meanwhile is not theirs: a run is ended when it has surely taken too long,
+// and judged by what it says itself otherwise.
+constexpr double kSurely = 1.5, kSurelySeconds = 1;
+
 // In a process group of its own, so that what a terminal sends reaches it through here, once.
-Ended wait_for(const std::vector<std::string>& command, const std::string& log, double limit) {
-  const pid_t child = start_program(command, log, log, [parent = getpid(), limit] {
+Ended wait_for(const std::vector<std::string>& command, const std::string& log, const Most& most, const std::string& fields) {
+  const pid_t child = start_program(command, log, log, [parent = getpid()] {
     setpgid(0, 0);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(127);
-    if (limit > 0) {
-      const auto whole = static_cast<rlim_t>(std::max(1.0, std::floor(limit)));
-      const rlimit most{whole, whole + 5};
-      setrlimit(RLIMIT_CPU, &most);
-    }
     if (const int none = open("/dev/null", O_RDONLY); none >= 0) dup2(none, STDIN_FILENO);
   });
   bool passed_on = false;
+  Over over = Over::none;
+  double begin = NAN;  // of the steps
   for (;;) {
     int how = 0;
     rusage used{};
     const pid_t ended = wait4(child, &how, WNOHANG, &used);
-    if (ended == child) return {code_of(how), cpu_seconds(used)};
+    if (ended == child) return {code_of(how), cpu_seconds(used), over};
+    const double cpu = cpu_of(child);
+    if (std::isnan(begin) && fs::exists(fields)) begin = cpu;
+    if (most.process > 0 && cpu > most.process) over = Over::process;
+    if (most.steps > 0 && cpu - begin > kSurely * most.steps + kSurelySeconds) over = Over::steps;
+    if (over != Over::none) kill(child, SIGKILL);
     if (run::stop_asked() && !passed_on) kill(child, SIGTERM), passed_on = true;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
 }
 
-// Ends that would be the same again: results, steps that fail, scenes that are refused, and limits of time (longer ones are tried again).
-bool final(const Json& record, double limit) {
+constexpr int kTooLong = 128 + SIGXCPU;
+
+// Ends that would be the same again: results, steps that fail, scenes that are refused, and times that were too long (more of it is tried again).
+bool final(const Json& record, const Most& most) {
   const int code = record.value("code", -1);
-  if (code == 128 + SIGXCPU) return limit > 0 && limit <= record.value("limit", 0.0);
+  const auto no_more = [&](const char* key, double now) { return now > 0 && now <= record.value(key, 0.0); };
+  if (code == kTooLong) return no_more("limit", most.steps) || no_more("process_limit", most.process);
   for (Exit e : {Exit::done, Exit::checks, Exit::solve, Exit::scene})
     if (code == static_cast<int>(e)) return true;
   return false;
+}
+
+// A run that ended by itself is kept as it is, whatever it may take this time.
+RunResult judged(RunResult run, const Most& most) {
+  if (!run.failed() && most.steps > 0 && run.seconds > most.steps)
+    run.code = kTooLong, run.message = fmt::format("took more than {:g} s of CPU time in its steps: {:.3g} s", most.steps, run.seconds);
+  return run;
 }
 
 // Degrees of freedom: three per node of a soft body, twelve per stiff one.
@@ -108,24 +135,28 @@ double load_average() {
   return getloadavg(&load, 1) == 1 ? load : 0;
 }
 
-RunResult execute(const Planned& run, const Place& place, int repeats, double limit) {
+RunResult execute(const Planned& run, const Place& place, int repeats, const Most& most) {
   const std::string id = sha256(run.variant.id + place.device + std::to_string(place.threads) + std::to_string(repeats)).substr(0, 12);
   const std::string stem = place.folder + "/runs/" + id, version = std::string(mortise::version()) + " " + git_sha1();
-  if (const Json before = read_json(stem + ".json"); before.is_object() && before.value("version", "") == version && final(before, limit)) {
+  if (const Json before = read_json(stem + ".json"); before.is_object() && before.value("version", "") == version && final(before, most)) {
     RunResult found = from(before);
     found.before = true, found.label = run.label;
-    return found;
+    return judged(found, most);
   }
   output::write_file_atomically(stem + ".yaml", "# " + run.label + "\n" + run.variant.yaml, false);
   RunResult out;
+  Over over = Over::none;
   out.id = id, out.label = run.label;
   for (int i = 0; i < repeats; ++i) {
     out.load = std::max(out.load, load_average());
     const std::vector<std::string> command{own_program(), "run",     stem + ".yaml", "-o",         stem,        "--overwrite",
                                            "--no-render", "--quiet", "--device",     place.device, "--threads", std::to_string(place.threads)};
-    const Ended ended = wait_for(command, stem + ".log", limit);
+    std::error_code none;
+    fs::remove(stem + "/fields.vtkhdf", none);
+    const Ended ended = wait_for(command, stem + ".log", most, stem + "/fields.vtkhdf");
     out.load = std::max(out.load, load_average());
-    out.code = ended.code, out.process += ended.cpu;
+    over = ended.over;
+    out.code = over == Over::none ? ended.code : kTooLong, out.process += ended.cpu;
     if (ended.code == static_cast<int>(Exit::stopped) || run::stop_asked()) throw Error(Exit::stopped, "stopped; the same command goes on");
     const Json said = read_json(stem + "/run.json");
     const bool gpu = said.is_object() && said.contains("device") && said["device"].value("kind", "") == "cuda";
@@ -138,9 +169,10 @@ RunResult execute(const Planned& run, const Place& place, int repeats, double li
       throw Error(Exit::file,
                   "a run could not be written: " + first_line(output::read_file(stem + ".log")) + "\n  the same command goes on when there is room");
     if (out.failed()) {
-      out.message = ended.code == 128 + SIGXCPU ? fmt::format("took more than {:g} s of CPU time", limit)
-                    : said.is_object()          ? first_line(said.value("message", ""))
-                                                : first_line(output::read_file(stem + ".log"));
+      out.message = over == Over::steps     ? fmt::format("took more than {:g} s of CPU time in its steps", most.steps)
+                    : over == Over::process ? fmt::format("took more than {:.3g} s of CPU time", most.process)
+                    : said.is_object()      ? first_line(said.value("message", ""))
+                                            : first_line(output::read_file(stem + ".log"));
       if (out.message.empty())
         out.message = ended.code > 128 ? fmt::format("ended by signal {}", ended.code - 128) : fmt::format("exit code {}", ended.code);
       break;
@@ -162,12 +194,13 @@ RunResult execute(const Planned& run, const Place& place, int repeats, double li
                     {"process_seconds", out.process},
                     {"load", out.load},
                     {"repeats", repeats},
-                    {"limit", limit},
+                    {"limit", over == Over::steps ? most.steps : 0},
+                    {"process_limit", over == Over::process ? most.process : 0},
                     {"newton_iterations", out.newton},
                     {"dofs", out.dofs},
                     {"grade", out.grade}};
   output::write_file_atomically(stem + ".json", json_text(record, 1) + "\n", false);
-  return out;
+  return judged(out, most);
 }
 
 void measure_all(const Study& study, const Place& place, RunResult& result, bool may_be_gone) {

@@ -11,9 +11,14 @@ struct Place {
   int threads = 1;
 };
 
-// Runs it, unless FOLDER/runs/<id>.json says that this program has. `limit`: CPU time after which it is ended [s], 0: none. Throws
-// Error(Exit::stopped) after a signal, Error(Exit::file).
-RunResult execute(const Planned& run, const Place& place, int repeats, double limit);
+// What a run may take; 0: whatever it takes [s].
+struct Most {
+  double steps = 0;    // as RunResult::seconds: one that takes longer counts as failed
+  double process = 0;  // CPU time of all of it
+};
+
+// Runs it, unless FOLDER/runs/<id>.json says that this program has. Throws Error(Exit::stopped) after a signal, Error(Exit::file).
+RunResult execute(const Planned& run, const Place& place, int repeats, const Most& most);
 
 // The quantities of a run that did not fail; throws Error(Exit::usage) where its results know no such quantity, unless it may be gone.
 void measure_all(const Study& study, const Place& place, RunResult& result, bool may_be_gone = false);

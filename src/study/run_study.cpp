@@ -57,7 +57,7 @@ Results run_study(const Study& study, const Place& place, const Told& told) {
   for (const Planned& p : plan.runs) {
     RunResult& result = by_scene[p.variant.id];
     if (result.id.empty()) {
-      result = execute(p, place, study.repeats, study.limit);
+      result = execute(p, place, study.repeats, {study.limit});
       measure_all(study, place, result);
       told.run(static_cast<std::size_t>(std::count_if(by_scene.begin(), by_scene.end(), [](const auto& r) { return !r.second.id.empty(); })), all,
                result);
@@ -71,7 +71,7 @@ Results run_study(const Study& study, const Place& place, const Told& told) {
   const bool limits = std::any_of(study.quantities.begin(), study.quantities.end(), [](const Quantity& q) { return !q.reference; });
   if (const std::vector<OnCurve> steps = joint_steps(plan, out); limits && !steps.empty()) {
     const Planned joint = joint_run(study, plan, steps);
-    RunResult result = execute(joint, place, study.repeats, study.limit);
+    RunResult result = execute(joint, place, study.repeats, {study.limit});
     measure_all(study, place, result);
     told.run(all + 1, all + 1, result);
     plan.refined.push_back({plan.runs.size(), steps});
@@ -82,7 +82,7 @@ Results run_study(const Study& study, const Place& place, const Told& told) {
   if (needed) {
     Planned run{0, over_resolved(study), label_of(study.over_resolved)};
     run.variant = variant_of(study, study.methods.front(), run.settings);
-    over = execute(run, place, 1, 0);
+    over = execute(run, place, 1, {});
     measure_all(study, place, over);
     told.run(all + 1, all + 1, over);
   }

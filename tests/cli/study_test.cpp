@@ -151,7 +151,21 @@ TEST_F(StudyProgram, ARunTakesNoLongerThanItMay) {
             "/scenes/first/04_two_bodies.yaml\nset: [time.steps=2]\nlimit: 2 s\nquantities: [supports/stamp]\nplan: combinations\n"
             "ladders:\n  - {knob: bodies.ball.shape.sphere.edge_length, values: [4 mm, 0.7 mm]}\n");
   ASSERT_EQ(run({"study", study, "-o", folder_ + "/a"}), 0) << complained();
-  EXPECT_THAT(said(), HasSubstr("failed: took more than 2 s of CPU time"));
+  EXPECT_THAT(said(), HasSubstr("failed: took more than 2 s of CPU time in its steps"));
+}
+
+// A limit is of what the tables show, to the digit: it was one of whole seconds, and of meshing and files too.
+TEST_F(StudyProgram, LimitsAreOfTheSteps) {
+  const auto limited = [&](const std::string& limit) {
+    const std::string study =
+        write("mortise_study: 1\nscene: " + kSource + "/scenes/first/04_two_bodies.yaml\nset: [time.steps=2]\nlimit: " + limit +
+              "\nquantities: [supports/stamp]\nplan: combinations\nladders:\n  - {knob: solver.linear, values: [direct, cg]}\n");
+    return run({"study", study, "-o", folder_ + "/a"});
+  };
+  EXPECT_EQ(limited("1 ms"), 5) << said();
+  EXPECT_THAT(complained(), HasSubstr("took more than 0.001 s of CPU time in its steps: 0."));
+  EXPECT_EQ(limited("60 s"), 0) << complained();
+  EXPECT_THAT(complained(), HasSubstr("(before)")) << "what had ended is not run again";
 }
 
 TEST_F(StudyProgram, EffectsAreSwitchedOffInTurn) {
