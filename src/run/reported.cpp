@@ -107,8 +107,6 @@ void check_quantity(const Params& q, const std::string& what, const model::Model
                 fmt::format("{}: a sum is of all steps, and only one in {} has a frame; 'time.frame_every: 1' gives each one", what, every));
   if (q.has("at") && q.number("at") > ends * (1 + tuning::kRounding))
     throw Error(Exit::scene, q.at("at").where(), fmt::format("{}: {:g} s is after the end, at {:g} s", what, q.number("at"), ends));
-  if (q.text("when") == "sum" && leaf_of(value) == "dissipation")
-    throw Error(Exit::scene, q.at("when").where(), fmt::format("{}: '{}' is the sum since the start already; 'when: end' gives it", what, value));
   if (value.find('/') == std::string::npos || group_of(value) == "steps") return;
   if (start.row.count(value) && !start.has(value + "_x"))
     throw Error(Exit::scene, q.where(), what + ": '" + value + "' is a table, of which a run has one per frame; a quantity is a scalar");

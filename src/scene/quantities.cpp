@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/snapshot.h"
 #include "scene/suggest.h"
 
 namespace mortise::scene {
@@ -45,6 +46,8 @@ void check_quantity(const Params& q, const SourceLoc& at, const std::string& wha
   if (!field && body) errors.add(at, what + ": '" + value + "' is a scalar; body belongs to fields of points");
   if (field && body && over == point) errors.add(at, what + " needs either over or point");
   if ((over && q.text("over") == "percentile") != q.has("percent")) errors.add(at, what + ": percentile and percent belong together");
+  if (q.has("when") && q.text("when") == "sum" && leaf_of(value) == "dissipation")
+    errors.add(at, what + ": '" + value + "' is the sum since the start already; 'when: end' gives it");
   if (q.has("uncertainty") && q.number("uncertainty") > 0 && !q.has("reference")) errors.add(at, what + " has an uncertainty but no reference");
 }
 

@@ -146,6 +146,7 @@ TEST_F(StudyFile, WrongQuantitiesAreToldWithTheirPlace) {
   EXPECT_THAT(quantity("{value: velocity, body: block}"), HasSubstr("either over or point"));
   EXPECT_THAT(quantity("{value: velocity, body: block, over: percentile}"), HasSubstr("belong together"));
   EXPECT_THAT(quantity("{value: a/b, when: end, at: 1 s}"), HasSubstr("when and at"));
+  EXPECT_THAT(quantity("{value: friction/dissipation, when: sum}"), HasSubstr("is the sum since the start already"));
 }
 
 TEST_F(StudyFile, AReferenceHasToBeFourTimesFiner) {
