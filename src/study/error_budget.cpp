@@ -208,8 +208,10 @@ run::Estimated budget_of_run(engine::Engine* engine, const model::ModelInput& in
   else
     for (std::size_t k = 0; k < quantities.size(); ++k) budget.of.emplace_back().why_not = "the run was continued after its last step";
   const output::FieldReader reader(fields);
+  const bool adjoint = engine && why_none(input.scene).empty();
   for (std::size_t k = 0; k < quantities.size(); ++k) {
     QuantityBudget& of = budget.of[k];
+    if (adjoint && !of.why_not.empty() && group_of(quantities[k].value) != "steps") of.why_not += "; mortise study SCENE --error-budget has it";
     try {
       of.judge(measure(reader, quantities[k]));
     } catch (const Error& e) {

@@ -131,6 +131,9 @@ TEST(Run, CertifiesHowWrongTheQuantitiesOfItsSceneAre) {
   EXPECT_GT(budget(motion.path)[0]["value"].get<double>(), 0);
   EXPECT_TRUE(budget(motion.path)[0]["error"].is_null());
   EXPECT_NE(budget(motion.path)[0]["why_not"].get<std::string>().find("in motion the errors of all steps add up"), std::string::npos);
+  const Folder energy;
+  ASSERT_EQ(mortise("run " + patch + " -o " + energy.path + quantity).code, 0);
+  EXPECT_NE(budget(energy.path)[0]["why_not"].get<std::string>().find("mortise study SCENE --error-budget has it"), std::string::npos);
   // A name that nothing reports ends it before the first step.
   const Result misspelt = mortise("run " + patch + " -o " + wrong.path + " --set 'quantities=[{value: supports/plates_z}]'");
   EXPECT_EQ(misspelt.code, 3);
