@@ -7,6 +7,8 @@
 
 namespace mortise::study {
 
+static constexpr double kPlain = 3;  // decades of numbers that are written out
+
 Axis::Axis(const std::vector<double>& values, double from_pixel, double to_pixel) : from_(from_pixel), to_(to_pixel) {
   if (values.empty()) return;
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
@@ -17,8 +19,8 @@ Axis::Axis(const std::vector<double>& values, double from_pixel, double to_pixel
 
 double Axis::at(double value) const { return from_ + (to_ - from_) * (std::log10(value) - lo_) / (hi_ - lo_); }
 
-std::string number_label(double mantissa, int decade) {
-  if (decade >= -3 && decade <= 3) return fmt::format("{:g}", mantissa * std::pow(10.0, decade));
+std::string number_label(double mantissa, int decade, bool powers) {
+  if (!powers || decade == 0 || decade == 1) return fmt::format("{:g}", mantissa * std::pow(10.0, decade));
   static const char* const kDigits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
   std::string power;
   for (char c : std::to_string(decade)) power += c == '-' ? "⁻" : kDigits[c - '0'];
@@ -29,12 +31,13 @@ std::vector<Axis::Tick> Axis::ticks() const {
   std::vector<Tick> out;
   const double decades = hi_ - lo_;
   const int every = std::max(1, static_cast<int>(std::ceil(decades / 7)));
+  const bool powers = lo_ < -kPlain || hi_ > kPlain + 1;  // of all labels or of none
   for (int d = static_cast<int>(std::floor(lo_)); d <= static_cast<int>(std::ceil(hi_)); ++d)
     for (int m = 1; m < 10; ++m) {
       const double log = d + std::log10(m);
       if (log < lo_ || log > hi_ || (m > 1 && decades > 5)) continue;
       const bool labelled = m == 1 ? d % every == 0 : decades < 0.6 || (decades < 2 && (m == 2 || m == 5));
-      out.push_back({from_ + (to_ - from_) * (log - lo_) / (hi_ - lo_), labelled ? number_label(m, d) : ""});
+      out.push_back({from_ + (to_ - from_) * (log - lo_) / (hi_ - lo_), labelled ? number_label(m, d, powers) : ""});
     }
   return out;
 }

@@ -20,7 +20,7 @@ class Axis {
   double lo_ = 0, hi_ = 1, from_ = 0, to_ = 1;  // lo, hi: decimal logarithms
 };
 
-// "0.05", "300", "10⁻⁶"
-std::string number_label(double mantissa, int decade);
+// "0.05", "300"; or "5·10⁻²", "3·10²"
+std::string number_label(double mantissa, int decade, bool powers);
 
 }  // namespace mortise::study

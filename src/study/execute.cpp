@@ -161,7 +161,8 @@ RunResult execute(const Planned& run, const Place& place, int repeats, const Mos
     const Json said = read_json(stem + "/run.json");
     const bool gpu = said.is_object() && said.contains("device") && said["device"].value("kind", "") == "cuda";
     double cost = number(said, gpu ? "seconds" : "cpu_seconds", "solve");
-    if (!std::isfinite(cost)) cost = ended.cpu;  // it ended before its first step
+    if (cost == 0) cost = number(said, "seconds", "solve");  // shorter than the clock's ticks
+    if (!std::isfinite(cost)) cost = ended.cpu;              // it ended before its first step
     out.seconds = i == 0 ? cost : std::min(out.seconds, cost), out.slowest = i == 0 ? cost : std::max(out.slowest, cost);
     if (said.is_object() && said.contains("steps") && said["steps"].contains("newton_iterations") && said["steps"]["newton_iterations"].is_object())
       out.newton = static_cast<long>(said["steps"]["newton_iterations"].value("total", 0.0));

@@ -14,6 +14,7 @@ namespace mortise::study {
 namespace {
 
 constexpr double kPlotWidth = 330, kPlotHeight = 250, kLeft = 74, kTop = 34, kBottom = 52, kGap = 22, kLegendLine = 21, kText = 12;
+constexpr double kLeastSeconds = 1e-4;  // clocks of CPU time tell no less: what took none by them is drawn here
 constexpr Colour kBlack{0, 0, 0}, kGrey{120, 120, 120}, kGrid{222, 222, 222}, kFaint{240, 240, 240}, kWhite{255, 255, 255}, kBand{226, 226, 226};
 // Okabe and Ito: told apart by everyone.
 constexpr Colour kColours[] = {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {204, 121, 167}, {230, 159, 0}, {86, 180, 233}, {90, 90, 90}};
@@ -70,7 +71,7 @@ class Panel {
     std::vector<double> xs, ys;
     for (const Point& p : r.points) {
       if (p.quantity != q_ || p.reference) continue;
-      if (std::isfinite(p.seconds)) xs.push_back(std::max(p.seconds, 1e-6));
+      if (std::isfinite(p.seconds)) xs.push_back(std::max(p.seconds, kLeastSeconds));
       // What is known no better than the band may lie anywhere below: the axis ends soon after.
       if (!p.failed && std::isfinite(p.error)) ys.push_back(std::max({p.error, band_ / 4, tuning::kRounding}));
     }
@@ -127,7 +128,7 @@ class Panel {
 
   Place2 place(const Point& p) const {
     const double y = y_.at(std::max(p.error, tuning::kRounding));
-    return {x_.at(std::max(p.seconds, 1e-6)), std::clamp(y, top_, top_ + kPlotHeight - 5)};
+    return {x_.at(std::max(p.seconds, kLeastSeconds)), std::clamp(y, top_, top_ + kPlotHeight - 5)};
   }
 
   void front(Canvas& c) const {
@@ -159,7 +160,7 @@ class Panel {
       const std::string tip =
           fmt::format("{}: {}", p.label, p.failed ? p.why : fmt::format("{:.6g}, error {:.3g}, {:.3g} s", p.value, p.error, p.seconds));
       if (p.failed || !std::isfinite(p.error)) {
-        if (std::isfinite(p.seconds)) cross(c, x_.at(std::max(p.seconds, 1e-6)), top_ + 8, s.colour);
+        if (std::isfinite(p.seconds)) cross(c, x_.at(std::max(p.seconds, kLeastSeconds)), top_ + 8, s.colour);
         continue;
       }
       const auto [x, y] = place(p);

@@ -64,8 +64,9 @@ std::vector<std::string> findings(const Results& r) {
       if (const std::string parts = shares_text(r, k, m.name); !parts.empty())
         out.push_back(fmt::format("{}{}{}, where the error as it is comes from: {}", name, m.name.empty() ? "" : ", ", m.name, parts));
     if (std::none_of(r.points.begin(), r.points.end(), [&](const Point& p) { return p.quantity == k && p.knee; }))
-      out.push_back(
-          fmt::format("{}: no run is known to be better than another; what they are compared with is known to {}", name, error_text(u, ref)));
+      out.push_back(fmt::format("{}: no run is known to be better than another; {}", name,
+                                std::isfinite(ref.uncertainty) ? "what they are compared with is known to " + error_text(u, ref)
+                                                               : "how well what they are compared with is known no run tells"));
     for (const Point& p : r.points) {
       if (p.quantity != k || !p.knee) continue;
       std::string text = fmt::format("{}, at the knee ({}): {}", name, p.label.empty() ? p.curve : p.label, of(p));

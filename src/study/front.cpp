@@ -46,7 +46,11 @@ void mark_best(std::vector<Point>& points, const std::vector<Reference>& referen
     std::vector<Point*> front;
     for (Point* p : all)
       if (front.empty() || known_error(*p, ref) < known_error(*front.back(), ref)) p->best = true, front.push_back(p);
-    front[knee_of(front, ref)]->knee = front.size() > 1 || !front.front()->hollow;  // one that is only the fastest recommends nothing
+    // One that is only the fastest of what the reference cannot tell apart is no front, and recommends nothing.
+    if (front.size() == 1 && front.front()->hollow)
+      front.front()->best = false;
+    else
+      front[knee_of(front, ref)]->knee = true;
   }
 }
 

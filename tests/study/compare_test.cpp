@@ -277,6 +277,28 @@ TEST(Figure, ShowsCurvesFrontAndWhatIsBelowTheReference) {
   EXPECT_EQ(count(page, "http"), 1u);  // the namespace: nothing is loaded
 }
 
+// The reference tells none of them apart, and a run that took no time by the clock does not stretch the axis over decades.
+TEST(Figure, DrawsNoFrontBelowWhatIsKnown) {
+  Results r;
+  r.study.quantities.resize(1), r.study.quantities[0].name = "q";
+  r.references = {{1, 0.5, 1, true, ""}};
+  r.points = {point("h", 0, 0.4), point("h", 1, 0.2)};
+  for (Point& p : r.points) p.hollow = true;
+  mark_best(r.points, r.references);
+  const std::string svg = figure_svg(r);
+  EXPECT_EQ(count(svg, ">Pareto front<"), 0u);
+  EXPECT_EQ(count(svg, ">knee<"), 0u);
+  EXPECT_EQ(count(svg, ">10⁻⁶<"), 0u);
+  EXPECT_THAT(svg, HasSubstr(">10⁻³<"));
+}
+
+TEST(Study, UnknownUncertaintyIsNotNone) {
+  Results r;
+  r.study.quantities.resize(1), r.study.quantities[0].name = "q", r.study.methods.resize(1);
+  r.references = {{1, NAN, 1, true, "the finest run: a limit needs three"}};
+  EXPECT_THAT(findings(r).at(0), testing::Not(HasSubstr("known to 0 %")));
+}
+
 TEST(Figure, PixelsAreThoseOfTheSheet) {
   const std::string path = (std::filesystem::temp_directory_path() / ("mortise_canvas_" + std::to_string(getpid()) + ".png")).string();
   PixelCanvas c(40, 20, 2);
@@ -301,7 +323,8 @@ TEST(Figure, AxesHaveTicks) {
       if (!t.label.empty()) out.push_back(t.label);
     return out;
   };
-  EXPECT_THAT(labels(Axis({1e-6, 1}, 0, 1)), ElementsAre("10⁻⁶", "10⁻⁵", "10⁻⁴", "0.001", "0.01", "0.1", "1"));
+  EXPECT_THAT(labels(Axis({1e-6, 1}, 0, 1)), ElementsAre("10⁻⁶", "10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "1"));
+  EXPECT_THAT(labels(Axis({2e-3, 1}, 0, 1)), ElementsAre("0.01", "0.1", "1"));
   EXPECT_THAT(labels(Axis({1, 20}, 0, 1)), ElementsAre("1", "2", "5", "10", "20"));
   EXPECT_DOUBLE_EQ(Axis({1, 100}, 0, 232).at(10), 116);
 }
