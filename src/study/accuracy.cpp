@@ -185,18 +185,18 @@ class Search {
   }
 
   // Does a knob leave so little that it need not be looked at?
-  bool alone(const Climb& climb) const {
+  bool alone(const Climb& climb, double share = tuning::kAlone) const {
     const std::vector<double> most = goals();
     for (std::size_t q = 0; q < most.size(); ++q)
-      if (climb.error(q, 0) > tuning::kAlone * most[q]) return false;
+      if (climb.error(q, 0) > share * most[q]) return false;
     return true;
   }
 
-  // Knobs that left next to nothing before are looked at again only where all hangs on it.
+  // Knobs that left little before are looked at again only where all hangs on it, those that left nothing never.
   void look_around() {
     for (const bool all : {false, true}) {
       for (std::size_t k = 0; k < knobs_.size() && !by_budget_; ++k)
-        if (all || !before_.contains(here_) || !alone(before_[here_][k])) look_along(k);
+        if (!before_.contains(here_) || !alone(before_[here_][k], all ? tuning::kNothing : tuning::kAlone)) look_along(k);
       estimate_here();
       if (!holds()) break;
     }

@@ -57,11 +57,11 @@ inline constexpr double kSmallest = 1e-4;
 // edge: below a twentieth no stiffness is soft enough for the mesh (mortar_contact/README.md, `stiffness`). What converges faster than the order
 // below does so by chance, as errors of the layer and of the mesh have two signs: it is then known no better than it changed while sizes were halved.
 // What a budget says of a mesh falls at the second order, between 1 and 2 where stresses are singular. Runs are aimed at this share of the goal, and
-// what is guessed from two runs has to be this small a share of it for a knob to be left alone. Runs may take
-// longer than foretold by the last factor. No knob is refined by more than this many levels; no
-// accuracy is asked for that is finer or coarser than these.
+// what a knob leaves has to be this small a share of it for the knob to be left alone, and the one after it for it never to be looked at again. Runs
+// may take longer than foretold by the last factor. No knob is refined by more than this many levels; no accuracy is asked for that is finer or
+// coarser than these.
 inline constexpr double kMeshRatio = 0.70710678, kMeshDearer = 3.5, kLayerDearer = 0.3, kPressureLayer = 0.05, kTrustedOrder = 2.5, kMeshOrder = 1.5,
-                        kAim = 0.8, kAlone = 0.15, kForetold = 1.3;
+                        kAim = 0.8, kAlone = 0.15, kNothing = 1e-6, kForetold = 1.3;
 inline constexpr int kMostLevels = 10, kFarthest = 2;  // levels: in all, and at a time
 inline constexpr double kFinestGoal = 1e-5, kCoarsestGoal = 0.5;
 
