@@ -1,19 +1,12 @@
 #include "study/execute.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "base/json_text.h"
 #include "base/process.h"
@@ -37,51 +30,6 @@ double number(const Json& j, const char* block, const char* key) {
   return j.is_object() && j.contains(block) && j[block].is_object() && j[block].contains(key) && j[block][key].is_number()
              ? j[block][key].get<double>()
              : NAN;
-}
-
-enum class Over { none, steps, process };
-
-struct Ended {
-  int code;
-  double cpu;  // of the process [s]
-  Over over;   // for which it was ended
-};
-
-double cpu_of(pid_t child) {
-  clockid_t clock{};
-  timespec t{};
-  if (clock_getcpuclockid(child, &clock) != 0 || clock_gettime(clock, &t) != 0) return 0;
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-// Its steps begin when there is a file for their fields. What is written meanwhile is not theirs: a run is ended when it has surely taken too long,
-// and judged by what it says itself otherwise.
-constexpr double kSurely = 1.5, kSurelySeconds = 1;
-
-// In a process group of its own, so that what a terminal sends reaches it through here, once.
-Ended wait_for(const std::vector<std::string>& command, const std::string& log, const Most& most, const std::string& fields) {
-  const pid_t child = start_program(command, log, log, [parent = getpid()] {
-    setpgid(0, 0);
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) _exit(127);
-    if (const int none = open("/dev/null", O_RDONLY); none >= 0) dup2(none, STDIN_FILENO);
-  });
-  bool passed_on = false;
-  Over over = Over::none;
-  double begin = NAN;  // of the steps
-  for (;;) {
-    int how = 0;
-    rusage used{};
-    const pid_t ended = wait4(child, &how, WNOHANG, &used);
-    if (ended == child) return {code_of(how), cpu_seconds(used), over};
-    const double cpu = cpu_of(child);
-    if (std::isnan(begin) && fs::exists(fields)) begin = cpu;
-    if (most.process > 0 && cpu > most.process) over = Over::process;
-    if (most.steps > 0 && cpu - begin > kSurely * most.steps + kSurelySeconds) over = Over::steps;
-    if (over != Over::none) kill(child, SIGKILL);
-    if (run::stop_asked() && !passed_on) kill(child, SIGTERM), passed_on = true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
 }
 
 constexpr int kTooLong = 128 + SIGXCPU;
@@ -153,7 +101,7 @@ RunResult execute(const Planned& run, const Place& place, int repeats, const Mos
                                            "--no-render", "--quiet", "--device",     place.device, "--threads", std::to_string(place.threads)};
     std::error_code none;
     fs::remove(stem + "/fields.vtkhdf", none);
-    const Ended ended = wait_for(command, stem + ".log", most, stem + "/fields.vtkhdf");
+    const Ended ended = run_limited(command, stem + ".log", most, stem + "/fields.vtkhdf");
     out.load = std::max(out.load, load_average());
     over = ended.over;
     out.code = over == Over::none ? ended.code : kTooLong, out.process += ended.cpu;

@@ -1,5 +1,6 @@
 #pragma once
 // Runs scenes of a study, each as `mortise run` in a process and a folder of its own, so that none can harm another or the study.
+#include "study/limited_process.h"
 #include "study/plan.h"
 #include "study/results.h"
 
@@ -9,12 +10,6 @@ struct Place {
   std::string folder;  // of the study; runs go to FOLDER/runs/<id>
   std::string device;
   int threads = 1;
-};
-
-// What a run may take; 0: whatever it takes [s].
-struct Most {
-  double steps = 0;    // as RunResult::seconds: one that takes longer counts as failed
-  double process = 0;  // CPU time of all of it
 };
 
 // Runs it, unless FOLDER/runs/<id>.json says that this program has. Throws Error(Exit::stopped) after a signal, Error(Exit::file).
