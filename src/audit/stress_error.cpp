@@ -91,7 +91,7 @@ StressError::StressError(const model::ModelInput& input) {
       }
       for (std::size_t n = 0; n < in.nodes.size(); ++n)
         if (held[point + n]) b.fixed.push_back(n);
-      b.one_across = quadratic && !b.averaged && model::one_across(in);
+      b.one_across = quadratic && model::one_across(in);
       if (quadratic ? b.one_across : !model::averages_volume(in)) b.one_sided = model::one_sided(held, point, in.nodes.size());
       if (BubbleError::counts_for(in)) b.bubbles.emplace(input, in);
       bodies_.push_back(std::move(b));
@@ -264,7 +264,7 @@ StressError::Energy StressError::energy_of(const Body& b, const std::vector<Corn
     if (!b.one_across) continue;
     Stress within[4];
     for (int k = 0; k < 4; ++k) within[k] = here[t][k] - (here[t][0] + here[t][1] + here[t][2] + here[t][3]) / 4;
-    out.missed += tuning::kWithin * b.one_sided * b.volume[t] * mean_of_linear(within, b.E, b.nu);
+    out.missed += (b.averaged ? tuning::kWithinOfMeans : tuning::kWithin) * b.one_sided * b.volume[t] * mean_of_linear(within, b.E, b.nu);
   }
   if (bubbles) {
     std::vector<Stress> constant;

@@ -176,8 +176,8 @@ effects:
   friction: {mu: 0.3}
 )",
                                      50, "effects.friction.mu=%.17g", 0.3, way, 1e-3, {std::string("effects.inertia.integrator=") + integrator})[0];
-    expect_equal(d, 0.01);
-    EXPECT_NEAR(d.followed(), -d.value, 0.04 * d.value) << integrator;
+    expect_equal(d, 0.02);  // across the step in which it stops whole runs differ by more than a hair
+    EXPECT_NEAR(d.followed(), -d.value, 0.01 * d.value) << integrator;
   }
 }
 
