@@ -22,7 +22,6 @@
 namespace mortise::solver {
 
 void Simulation::mend(effects::Fault fault, double share) {
-  mends_ = true;
   if (fault == effects::Fault::solution) resolved_ = share;
   for (const auto& effect : effects_) effect->mend(fault, share);
 }
@@ -61,9 +60,11 @@ void Simulation::follow(const effects::StepInfo& info, Simulation& leader, devic
 
   Linearised& at = newton_.at();
   device::Buffer<Vec3> c, move, f, Jc, x, dq, from, there;
-  there.copy_from(q);
-  if (!mends_ && apart_.size() == there.size()) add_scaled(std::as_const(apart_).view(), {1.0}, std::as_const(model_.block_env).view(), there);
-  for (int round = 0; round < (mends_ ? 1 : tuning::kFollows); ++round) {
+  if (apart_.size() == q.size())
+    advance(q.view(), std::as_const(apart_).view(), {1.0}, model_, there);
+  else
+    there.copy_from(q);
+  for (int round = 0; round < tuning::kFollows; ++round) {
     from.copy_from(there);
     // r'(q) - r(q) + J c, on the rows.
     system.potential.linearise(std::as_const(from).view(), {}, at, true);

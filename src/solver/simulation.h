@@ -84,7 +84,6 @@ class Simulation {
   device::Buffer<Vec3> apart_;        // of one that follows: how far beside the leader it was in the last step [m]
   std::unique_ptr<Tangent> tangent_;  // where there are others, or adjoints,
   Index tangent_step_ = -1;           // at the state that so many steps led to
-  bool mends_ = false;                // it differs from the leader by a share of a fault
   double resolved_ = 0;               // share of the leader's residual that goes into the way of one that follows
   bool refitted_ = false;             // parameters of effects were fitted to the solution of the step under way
   // Per environment:

@@ -72,7 +72,7 @@ inline constexpr double kPushing = 0.5;           // as long as its way is so mu
 inline constexpr int kMostDoubts = 10;            // halvings because of a slope that energy cannot see: beyond, rounding rules the slope too
 
 // ---- scenes beside one that leads (follow.cpp)
-inline constexpr int kFollows = 2;  // Newton iterations of a step, on the leader's Jacobian; one, where shares of faults are wanted to first order
+inline constexpr int kFollows = 2;  // Newton iterations of a step, on the leader's Jacobian
 
 // ---- lagged quantities (lag_loop.h)
 inline constexpr double kLeastRelaxation = 0.1;               // Aitken's share: smaller ones creep
