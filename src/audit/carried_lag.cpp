@@ -35,14 +35,14 @@ double CarriedLag::lag(std::size_t i, const std::vector<MovingBody>& bodies, dou
   if (b.free && !squeezed) there = b.across_push(there), v = b.across_push(v);
   if (c.by != static_cast<double>(*by) || turns.norm() > std::max(tuning::kStill * there.norm(), hardly(i, h))) {
     ways_.restart(i, v);
-    c = {.by = static_cast<double>(*by), .onset = SlipOnset(steps <= 2)};
+    c = {.by = static_cast<double>(*by), .onset = SlipOnset(steps <= tuning::kFromRest)};
     return 0;
   }
   // How fast pinned bodies start nobody knows: as if the first step had been like the second.
   if (!b.free && c.steps == 0) ways_.restart(i, 2 * ways_.v0(i) - v);
   using Vector = Eigen::Map<Vec3>;
   const Vec3 changed = there - Vector(c.there);
-  if (b.free && (c.steps > 0 || steps <= 3)) c.onset.step(changed, changed + v - Vector(c.v), v, h);
+  if (b.free && (c.steps > 0 || steps - 1 <= tuning::kFromRest)) c.onset.step(changed, changed + v - Vector(c.v), v, h);
   set_off(i, c, changed, h);
   Vector way(c.carrier), along(c.along);
   way += h * there, along += h * v;

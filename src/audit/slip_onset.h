@@ -14,7 +14,7 @@ namespace mortise::audit {
 
 class SlipOnset {
  public:
-  explicit SlipOnset(bool from_rest = false) : known_(from_rest ? kSteps - 1 : 0) {}
+  explicit SlipOnset(bool from_rest) : known_(from_rest ? kSteps - 1 : 0) {}
   // After a step of length h [s]: what the velocities of carrier and body changed by in it, across what presses, and the body's along the carrier
   // [m/s].
   void step(const Vec3& carrier, const Vec3& body, const Vec3& slip, double h);

@@ -41,9 +41,8 @@ void SlipReversal::bearing(std::size_t number, double v) {
   Slip& slip = joints_[number];
   const double change = v - slip.v[0];
   const bool turned = slip.turned != 0 && slip.time <= integration_.step;
-  const double before = of.change;
   advance(slip, Vec3(v, 0, 0), turned ? std::abs(change - of.before) / (2 * integration_.step) : 0);
-  of.change = change, of.before = before;
+  of = {change, of.change};
 }
 
 void SlipReversal::state(const Snapshot& said, const std::vector<MovingBody>& bodies) {

@@ -126,6 +126,7 @@ inline constexpr double kShownBySwing = 0.6;      // of the most elastic energy:
 inline constexpr double kOneSided = 0.5;          // of the forces on a body: what is pressed from both sides lies on neither (moving_body.cpp)
 inline constexpr double kSlips = 0.02;            // of the fastest slip of a body: slower it sticks (slip_reversal.cpp)
 inline constexpr double kSetsIn = 0.5;            // of an acceleration, in three steps: that of a carrier jumps (slip_onset.cpp)
+inline constexpr long kFromRest = 2;              // steps: what is carried from then on was so from the start, and at rest (carried_lag.cpp)
 inline constexpr double kStuck = 0.1;             // of that jump: by so much the accelerations of what sticks may differ from the carrier's
 inline constexpr double kSetsOff = 4;             // times the changes of velocity beside it: what a carrier's speed jumps by (carried_lag.cpp)
 inline constexpr double kShakes =

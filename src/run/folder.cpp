@@ -39,6 +39,17 @@ bool is_part(const std::string& name) {
   throw Error(Exit::file, "'" + path + "' was not written by mortise and is left alone; move it away, or choose another folder with -o");
 }
 
+// Other programs have such files, too: what does not begin as ours do is somebody else's. An empty one is of a full disk.
+void guard_result(const std::string& path, const std::string& mark) {
+  std::error_code ec;
+  if (!fs::is_regular_file(fs::symlink_status(path, ec))) return;
+  std::ifstream in(path, std::ios::binary);
+  std::string begin(4096, '\0');
+  in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  begin.resize(static_cast<std::size_t>(in.gcount()));
+  if (!begin.empty() && begin.find(mark) == std::string::npos) not_ours(path);
+}
+
 [[noreturn]] void fail(const std::string& what) { throw Error(Exit::file, what + ": " + std::strerror(errno)); }
 
 std::string host() {
@@ -157,21 +168,6 @@ std::string Folder::lock() {
     return owner.host.empty() ? "" : "taking over '" + path_ + "' from process " + std::to_string(owner.process) + ", which is gone";
   }
 }
-
-namespace {
-
-// Other programs have such files, too: what does not begin as ours do is somebody else's. An empty one is of a full disk.
-void guard_result(const std::string& path, const std::string& mark) {
-  std::error_code ec;
-  if (!fs::is_regular_file(fs::symlink_status(path, ec))) return;
-  std::ifstream in(path, std::ios::binary);
-  std::string begin(4096, '\0');
-  in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
-  begin.resize(static_cast<std::size_t>(in.gcount()));
-  if (!begin.empty() && begin.find(mark) == std::string::npos) not_ours(path);
-}
-
-}  // namespace
 
 void Folder::remove_results() const {
   std::error_code ec;

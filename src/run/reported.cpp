@@ -79,7 +79,7 @@ void not_reported(const SourceLoc& where, const std::string& what, const std::st
   std::string hint = scene::suggestion(scalar, known);
   const auto list = [](const std::set<std::string>& names) { return scene::join({names.begin(), names.end()}, ", "); };
   if (hint.empty()) hint = of_group.empty() ? "there are groups " + list(groups) : "of '" + group + "' there are " + list(of_group);
-  throw Error(Exit::scene, where, what + ": nothing reports '" + scalar + "'" + (hint.empty() ? "" : "; " + hint));
+  throw Error(Exit::scene, where, what + ": nothing reports '" + scalar + "'; " + hint);
 }
 
 namespace {

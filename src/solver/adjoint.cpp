@@ -32,14 +32,13 @@ double along(effects::Effect& store, device::View<const Vec3> q, device::View<co
   return device::sum("adjoint.along", of.block.n, [=] MORTISE_HD(Index i) { return of.block[i] < 0 ? 0.0 : of.grad[i].dot(z[of.block[i]]); });
 }
 
-// What a fault leaves out of them.
+// What they are with a fault mended.
 double mended_along(effects::Effect& store, effects::Fault fault, device::View<const Vec3> q, device::View<const Vec3> z) {
-  const double as_it_is = along(store, q, z);
   store.mend(fault, 1);
   store.keep_pace(store, q);
   const double mended = along(store, q, z);
   store.mend(fault, 0);
-  return mended - as_it_is;
+  return mended;
 }
 
 // Where what is tied to a body goes with it, slides on it go as well, across their axes, and what slides on these.
@@ -106,8 +105,10 @@ Adjoint Simulation::adjoint(const Functional& Q) {
     if (effects_[k]->kind().role == effects::Role::contact) out.layer += layer_along(tangent_->at().of[k]->contact, at_points);
   for (const auto& effect : effects_) {
     if (effect->kind().role != effects::Role::store) continue;
-    out.mesh += mended_along(*effect, effects::Fault::mesh, std::as_const(model_.q).view(), of_blocks.view());
-    out.volumes += mended_along(*effect, effects::Fault::volumes, std::as_const(model_.q).view(), of_blocks.view());
+    const device::View<const Vec3> q = std::as_const(model_.q).view();
+    const double as_it_is = along(*effect, q, of_blocks.view());
+    out.mesh += mended_along(*effect, effects::Fault::mesh, q, of_blocks.view()) - as_it_is;
+    out.volumes += mended_along(*effect, effects::Fault::volumes, q, of_blocks.view()) - as_it_is;
   }
   for (const Vec3& v : at_points) out.points.insert(out.points.end(), {v[0], v[1], v[2]});
   return out;

@@ -7,7 +7,7 @@
 // radius makes of them, of both sides alike; and the first time from as far beside q as S' was in the step before, since friction that holds is far
 // from linear within the way that it holds to) with r' of S' itself, from where it stood when the step began: what it inherits of earlier steps
 // (velocities, where friction last stuck) it has from following those. So the difference of the two runs, over the difference of the parameter, is
-// the derivative along the whole trajectory, of whatever is measured of them: dQ/dp = dQ/dp at fixed q - dQ/dq . J^-1 dr/dp, one linear solve per
+// the derivative along the whole trajectory, of whatever is measured of them: dQ/dp = dQ/dp at fixed q - dQ/dq . J^-1 dr/dp, two linear solves per
 // parameter and step with a factor that all share. The adjoint, J^T lambda = dQ/dq, gives the same from one solve per quantity; it needs dQ/dq of
 // everything that may be measured, and steps backwards.
 //

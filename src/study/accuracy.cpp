@@ -75,8 +75,7 @@ class Search {
   double left() const { return wanted_.most - out_.seconds; }
   std::vector<double> goals() const {
     std::vector<double> out;
-    for (std::size_t q = 0; q < out_.goals.size(); ++q)
-      out.push_back(std::max(out_.goals[q].share * std::max(std::abs(here().values[q]), out_.quantities[q].scale), tuning::kRounding));
+    for (std::size_t q = 0; q < out_.goals.size(); ++q) out.push_back(out_.goal(q, here().values[q]));
     return out;
   }
 

@@ -40,6 +40,7 @@ struct Accuracy {
   std::vector<std::string> notes;  // knobs that failed
   double seconds = 0;              // CPU time of all runs, those of earlier attempts included
   Settings settings;               // of the chosen one
+  double goal(std::size_t quantity, double value) const;  // the error that is asked for of a number of that size, in its units
 };
 
 struct Wanted {

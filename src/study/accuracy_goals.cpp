@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "scene/suggest.h"
 #include "study/accuracy.h"
@@ -29,6 +30,10 @@ Goal goal_of_flag(const std::string& text) {
   if (!(out.share >= tuning::kFinestGoal && out.share <= tuning::kCoarsestGoal))
     throw wrong(fmt::format("must be between {:g} % and {:g} %", 100 * tuning::kFinestGoal, 100 * tuning::kCoarsestGoal));
   return out;
+}
+
+double Accuracy::goal(std::size_t q, double value) const {
+  return std::max(goals[q].share * std::max(std::abs(value), quantities[q].scale), tuning::kRounding);
 }
 
 std::vector<Quantity> quantities_of_goals(const Params& scene, const std::vector<Goal>& goals) {

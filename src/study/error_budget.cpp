@@ -208,10 +208,11 @@ run::Estimated budget_of_run(engine::Engine* engine, const model::ModelInput& in
   else
     for (std::size_t k = 0; k < quantities.size(); ++k) budget.of.emplace_back().why_not = "the run was continued after its last step";
   const output::FieldReader reader(fields);
-  const bool adjoint = engine && why_none(input.scene).empty();
+  const std::string none = why_none(input.scene);
   for (std::size_t k = 0; k < quantities.size(); ++k) {
     QuantityBudget& of = budget.of[k];
-    if (adjoint && !of.why_not.empty() && group_of(quantities[k].value) != "steps") of.why_not += "; mortise study SCENE --error-budget has it";
+    if (engine && none.empty() && !of.why_not.empty() && group_of(quantities[k].value) != "steps")
+      of.why_not += "; mortise study SCENE --error-budget has it";
     try {
       of.judge(measure(reader, quantities[k]));
     } catch (const Error& e) {
@@ -220,8 +221,7 @@ run::Estimated budget_of_run(engine::Engine* engine, const model::ModelInput& in
     out.worst = std::fmax(out.worst, of.share());
     if (!std::isfinite(of.value)) out.warnings.push_back(fmt::format("warning: quantity '{}' has no value: {}", quantities[k].name, of.why_not));
   }
-  if (const std::string why = why_none(input.scene); !why.empty() && !quantities.empty())
-    out.warnings.push_back("warning: errors of quantities are not estimated: " + why + kFollowed);
+  if (!none.empty() && !quantities.empty()) out.warnings.push_back("warning: errors of quantities are not estimated: " + none + kFollowed);
   out.json = budget_entries(quantities, budget);
   return out;
 }

@@ -21,10 +21,6 @@ std::string percent(double error, double value) {
   return value != 0 ? fmt::format("{:.2g} %", 100 * error / std::abs(value)) : fmt::format("{:.2g}", error);
 }
 
-double goal_of(const Accuracy& a, std::size_t q) {
-  return a.goals[q].share * std::max(std::abs(a.attempts[a.chosen].run.values[q]), a.quantities[q].scale);
-}
-
 }  // namespace
 
 std::string accuracy_table(const Accuracy& a) {
@@ -50,7 +46,7 @@ std::string accuracy_table(const Accuracy& a) {
     for (std::size_t k = 0; k < a.climbs.size(); ++k)
       out += fmt::format("{} {} {}", k == 0 ? "" : ",", a.knobs[k], percent(a.climbs[k].error(q, 0), best.run.values[q]));
     out += "\n";
-    if (!settles(a.climbs, q, goal_of(a, q)))
+    if (!settles(a.climbs, q, a.goal(q, best.run.values[q])))
       out += "  not settled: this is what it scatters by from run to run, and says little of how wrong it is\n";
     if (a.quantities[q].reference)
       out += fmt::format("  against its reference of {:.6g}: {}\n", *a.quantities[q].reference,
@@ -76,7 +72,7 @@ std::string accuracy_json(const Accuracy& a) {
                           {"asked", a.goals[q].share},
                           {"value", output::number_or_null(a.attempts[a.chosen].run.values[q])},
                           {"estimated_error", output::number_or_null(a.attempts[a.chosen].estimates[q])},
-                          {"settled", settles(a.climbs, q, goal_of(a, q))},
+                          {"settled", settles(a.climbs, q, a.goal(q, a.attempts[a.chosen].run.values[q]))},
                           {"left_by", left}});
   }
   for (std::size_t i = 0; i < a.attempts.size(); ++i) {

@@ -6,6 +6,7 @@
 #include "link.h"
 #include "patch.h"
 #include "rig.h"
+#include "slide.h"
 
 using namespace mortise;
 using namespace mortise::testing;
@@ -73,22 +74,7 @@ effects:
 
 // v^2 / (2 mu g), less what friction lets it creep: what steps leave out is known after it has come to rest as well.
 TEST(Mend, WhatFrictionStopsHasGoneAsFar) {
-  const std::string slide = R"(
-mortise: 1
-name: slide
-time: {step: 10 ms, steps: 1}
-materials: {steel: {density: 7850}}
-bodies:
-  block: {type: stiff, shape: {box: {size: [60 mm, 40 mm, 20 mm], edge_length: 60 mm}}, material: steel, position: [0, 0, 10.005 mm], velocity: [1, 0, 0]}
-  floor: {type: half_space}
-effects:
-  inertia: {}
-  gravity: {}
-  affine_body: {}
-  barrier_contact: {d_hat: 0.01 mm}
-  friction: {mu: 0.3}
-)";
-  const Lack way = error_of(slide, 50, effects::Fault::steps, [](const Captured& f) { return (*f.of_points("displacement", 3))[0]; });
+  const Lack way = error_of(kSlide, 50, effects::Fault::steps, [](const Captured& f) { return (*f.of_points("displacement", 3))[0]; });
   EXPECT_GT(1 / (2 * 0.3 * 9.81) - way.value, 0.004);
   expect_found(way, 1 / (2 * 0.3 * 9.81), 0.1);
 }

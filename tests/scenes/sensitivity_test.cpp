@@ -4,6 +4,7 @@
 
 #include "place.h"
 #include "rig.h"
+#include "slide.h"
 
 using namespace mortise;
 using namespace mortise::testing;
@@ -160,22 +161,8 @@ TEST(Sensitivity, OfAPressAndDragWithBarrierAndFriction) {
 TEST(Sensitivity, OfASlideThatFrictionHasStopped) {
   for (const char* integrator : {"backward_euler", "bdf2"}) {
     const Measured way = [](const Captured&, const std::vector<double>& points) { return Numbers{points[0] + 0.03}; };
-    const Derivative d = derivatives(R"(
-mortise: 1
-name: slide
-time: {step: 10 ms, steps: 1}
-materials: {steel: {density: 7850}}
-bodies:
-  block: {type: stiff, shape: {box: {size: [60 mm, 40 mm, 20 mm], edge_length: 60 mm}}, material: steel, position: [0, 0, 10.005 mm], velocity: [1, 0, 0]}
-  floor: {type: half_space}
-effects:
-  inertia: {}
-  gravity: {}
-  affine_body: {}
-  barrier_contact: {d_hat: 0.01 mm}
-  friction: {mu: 0.3}
-)",
-                                     50, "effects.friction.mu=%.17g", 0.3, way, 1e-3, {std::string("effects.inertia.integrator=") + integrator})[0];
+    const Derivative d =
+        derivatives(kSlide, 50, "effects.friction.mu=%.17g", 0.3, way, 1e-3, {std::string("effects.inertia.integrator=") + integrator})[0];
     expect_equal(d, 0.02);  // across the step in which it stops whole runs differ by more than a hair
     EXPECT_NEAR(d.followed(), -d.value, 0.01 * d.value) << integrator;
   }
