@@ -32,7 +32,7 @@ std::string advice(std::string_view check, const Has& has) {
       {"given_lag", kDamps},
       {"work_lag", kDamps},
       {"given_kinks", "keys whose velocities change over several steps, or, where peaks of forces count, inertia: {integrator: backward_euler}"},
-      {"jolts_damped", kDamps},
+      {"carried_force_lag", kDamps},
       {"strikes_damped", kDamps},
       {"contact_force_lag", kDamps},
       {"slip_turned_late", "shorter steps (time.step), or inertia: {integrator: backward_euler}"},

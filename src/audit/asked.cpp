@@ -48,8 +48,9 @@ std::vector<Asked> asked_of_drives_and_loads(const Params& effects) {
     if (!Target::any(p) || p.has("gait")) continue;
     const std::optional<Params> joint = joint_named(effects, p.text("joint"));
     const bool slide = joint && joint->text("type") == "prismatic";
-    const Target target(p, p.text("mode") == "effort" ? (slide ? Quantity::force : Quantity::torque) : slide ? Quantity::travel : Quantity::angle);
-    out.push_back({target, target.keys()});
+    const bool pushes = p.text("mode") == "effort";
+    const Target target(p, pushes ? (slide ? Quantity::force : Quantity::torque) : slide ? Quantity::travel : Quantity::angle);
+    out.push_back({target, target.keys(), pushes});
   }
   for (const std::string& name : effects::of_role(effects, effects::Role::load)) {
     const Params& list = effects.at(name);

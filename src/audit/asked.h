@@ -10,6 +10,7 @@ namespace mortise::audit {
 struct Asked {
   std::function<double(double)> at;  // a number each: a component of a translation, an angle, a component of a quaternion, a target, a load
   std::vector<double> keys;          // where it may bend [s]
+  bool pushes = false;               // a force, a torque or a load, whose integral over time sets something in motion
 };
 
 std::vector<Asked> asked_of_drives_and_loads(const Params& effects);

@@ -61,7 +61,7 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
   add("given_lag", energy.given_lag, tuning::kGivenLag);
   if (asks_work_) add("work_lag", energy.work_lag, tuning::kWorkLag);
   add("given_kinks", energy.given_kinks, tuning::kGivenKinks, Of::forces);
-  add("jolts_damped", energy.jolted, tuning::kJolted, Of::forces);
+  add("carried_force_lag", energy.carried_force, tuning::kCarriedForce, Of::forces);
   add("strikes_damped", energy.struck, tuning::kStruck, Of::forces);
   add("slip_turned_late", energy.slip_reversal, tuning::kSlipReversal);
   add("contact_force_lag", energy.late_inertia, tuning::kLateInertia, Of::forces);

@@ -38,6 +38,22 @@ double missed(const Asked& asked, double h, long steps) {
   return all > 0 ? beside / all : NAN;
 }
 
+// Of a force.
+double missed_push(const Asked& asked, double h, long steps) {
+  double most = 0;  // |s|
+  for (long n = 0; n <= steps; ++n) most = std::max(most, std::abs(asked.at(h * static_cast<double>(n))));
+  double given = 0, should = 0, largest = 0, missed = 0;
+  for (long n = 0; n < steps; ++n) {
+    const double t0 = h * static_cast<double>(n), t1 = h * static_cast<double>(n + 1), s0 = asked.at(t0), s1 = asked.at(t1);
+    const std::vector<double> at = looks(t0, t1, asked.keys);
+    for (std::size_t k = 1; k < at.size(); ++k) should += 0.5 * (at[k] - at[k - 1]) * (asked.at(at[k - 1]) + asked.at(at[k]));
+    given += h * s1 - (std::abs(s1 - s0) < tuning::kJumpOfForce * most ? 0.5 * h * (s1 - s0) : 0);
+    largest = std::max(largest, std::abs(should));
+    if (std::abs(s1) <= tuning::kRounding * most || n + 1 == steps) missed = std::max(missed, std::abs(given - should));
+  }
+  return largest > 0 ? 2 * missed / largest : NAN;
+}
+
 bool rubs(const Params& effects) {
   if (!effects::of_role(effects, effects::Role::follower).empty()) return true;
   const std::vector<Params> drives = entries(effects, "drive");
@@ -81,7 +97,8 @@ double schedule_missed(const model::ModelInput& input) {
   const double h = integration_of(input.scene).step;
   double worst = NAN;
   if (std::isnan(h)) return worst;
-  for (const Asked& asked : asked_of_drives_and_loads(effects)) worst = std::fmax(worst, missed(asked, h, steps));
+  for (const Asked& asked : asked_of_drives_and_loads(effects))
+    worst = std::fmax(worst, std::fmax(missed(asked, h, steps), asked.pushes ? missed_push(asked, h, steps) : NAN));
   return worst;
 }
 

@@ -6,6 +6,12 @@
 //
 // is a pulse that falls into one step, or a sine with few steps in a period: 3 % of one with ten. Gaits are not looked at: they are smooth, and slow.
 // What pins do within a step is checked in every step (effects/pin).
+// Of forces and torques what they leave in motion counts, too: a step goes by what they are at its end, so that one that sets in or breaks off within
+// it is a part of a step too long or too short for good. Where it is nothing, and in the end,
+//
+//     missed = 2 |sum h s(t_n) - int s dt| / max |int s dt|
+//
+// (twice, as ways and heights go by the square), in which smooth changes, no jumps, count in the middle of their steps: motion_lag tells of these.
 // Without motion only the way counts by which the end is reached, where there is friction. With S(t) all that pins, drives and loads say, each over
 // what it goes through in all,
 //

@@ -38,7 +38,7 @@ EnergyAudit::EnergyAudit(const model::ModelInput& input)
       buckling_(input),
       bond_overlap_(input),
       given_kinks_(input),
-      jolted_(input),
+      carried_(input),
       struck_(input),
       late_(input),
       slip_reversal_(input),
@@ -120,7 +120,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   buckling_.state(now.said, now.points);
   bond_overlap_.state(now.points);
   given_kinks_.state(moving, forces);
-  jolted_.state(moving);
+  carried_.state(now.points, moving);
   std::vector<double> elastic;
   for (std::size_t i = 0; i < moving.size(); ++i) elastic.push_back(elastic_[i].at(now.points));
   struck_.state(moving, elastic);
@@ -157,7 +157,7 @@ void EnergyAudit::measured() {
   r_.at_start = pressed_first_ - pressed_least_;
   r_.motion_lag = std::fmax(lag_.value(), std::fmax(phase_.value(), soft_phase_.value())), r_.given_lag = given_lag_.value(),
   r_.held_weight = held_weight_.share(), r_.buckling = buckling_.value(), r_.bond_overlap = bond_overlap_.value(),
-  r_.facet_torque = facet_torque_.share(), r_.given_kinks = given_kinks_.value(), r_.jolted = jolted_.value(), r_.struck = struck_.share(),
+  r_.facet_torque = facet_torque_.share(), r_.given_kinks = given_kinks_.value(), r_.carried_force = carried_.share(), r_.struck = struck_.share(),
   r_.late_inertia = late_.share(), r_.slip_reversal = slip_reversal_.share();
   r_.motor_lag = motor_lag_.way(), r_.motor_torque_lag = motor_lag_.torque();
   r_.free_loss = free_ + bounces_.sum() + vibrations_.sum(steady_), r_.impacts = bounces_.stiff();
@@ -193,7 +193,7 @@ void EnergyAudit::checkpoint(Archive& archive) {
   buckling_.checkpoint(archive);
   bond_overlap_.checkpoint(archive);
   given_kinks_.checkpoint(archive);
-  jolted_.checkpoint(archive);
+  carried_.checkpoint(archive);
   struck_.checkpoint(archive);
   late_.checkpoint(archive);
   slip_reversal_.checkpoint(archive);

@@ -9,12 +9,12 @@
 #include "audit/bond_overlap.h"
 #include "audit/bounce_loss.h"
 #include "audit/buckling.h"
+#include "audit/carried_force.h"
 #include "audit/energy_scale.h"
 #include "audit/facet_torque.h"
 #include "audit/given_kinks.h"
 #include "audit/given_lag.h"
 #include "audit/held_weight.h"
-#include "audit/jolted.h"
 #include "audit/late_inertia.h"
 #include "audit/measured_body.h"
 #include "audit/motion_lag.h"
@@ -91,7 +91,7 @@ class EnergyAudit {
     double bond_overlap = NAN;                       // bond_overlap.h
     double facet_torque = NAN;                       // facet_torque.h
     double given_kinks = NAN;                        // given_kinks.h
-    double jolted = NAN, struck = NAN;               // jolted.h, struck.h
+    double carried_force = NAN, struck = NAN;        // carried_force.h, struck.h
     double late_inertia = NAN, slip_reversal = NAN;  // late_inertia.h, slip_reversal.h
     double motor_lag = NAN, motor_torque_lag = NAN;  // motor_lag.h: of ways, of torques
     bool work_is_known = true;  // false: loads do work whose potential is not reported, or nothing moves in time; then `gain` stays NaN
@@ -122,7 +122,7 @@ class EnergyAudit {
   Buckling buckling_;
   BondOverlap bond_overlap_;
   GivenKinks given_kinks_;
-  Jolted jolted_;
+  CarriedForce carried_;
   Struck struck_;
   LateInertia late_;
   SlipReversal slip_reversal_;

@@ -34,7 +34,7 @@ inline constexpr double kSlender = 4;         // of a bar's length, over its thi
 inline constexpr Bounds kWorkLag{0.05, 0.1};  // of work: a smooth lift in 100 and in 50 steps
 inline constexpr double kWorkOfMost = 0.1;    // what goes there and back ends with next to no work
 inline constexpr Bounds kGivenKinks{0.05, 0.1};
-inline constexpr Bounds kJolted{0.05, 0.1};
+inline constexpr Bounds kCarriedForce{0.05, 0.1};
 inline constexpr Bounds kStruck{0.05, 0.1};
 inline constexpr Bounds kLateInertia{0.05, 0.1};
 inline constexpr Bounds kSlipReversal{0.05, 0.1};
@@ -100,12 +100,15 @@ inline constexpr long kBegins = 3;           // states: BDF2 has its history the
 inline constexpr double kPeak = 1. / 3;      // of the second difference of accelerations: what BDF2 errs by in them (struck.cpp)
 inline constexpr double kRoundedWay = 1e-7;  // of the size of what a motor moves: the torque of so little is that of a robot that stands still
 inline constexpr double kOtherWay = 0.5;     // of a motor's largest torque: that the other way counts as no less than (motor_lag.cpp)
-inline constexpr double kCaughtUp = 0.1,
-                        kStands = 0.25;       // of a jolt: what its body may be short of, and what accelerations change by beside it (jolted.h)
+inline constexpr double kForgets = 0.6, kFits = 0.95, kApart = 1e-6;  // of what carries a body: what a state weighs in the next one, what
+                                                                      // has to follow, and how far r and r' are apart (carried_force.h)
+inline constexpr double kSettled = 0.1;                               // of what its acceleration changed by at most
+inline constexpr double kPerRadian = 8;                               // steps of its own swing: below 1e-3 of it
 inline constexpr double kBrings = 0.25;       // of the square of what presses: less, in the same measure, is no strike (struck.h)
 inline constexpr double kJumps = 10;          // of given velocities: starts and stops of some phases, no sampled track (given_kinks.h)
 inline constexpr double kSpike = 2.5;         // an acceleration beside those of the steps next to it: more is a velocity that jumps (given_kinks.cpp)
 inline constexpr double kSettles = 0.05;      // radians, or of a body on a slide: less is how joints settle (bearing_creep.cpp)
+inline constexpr double kJumpOfForce = 0.5;   // of its largest, in a step (schedule_missed.cpp)
 inline constexpr int kLooks = 16;             // in a step, at what is asked for (schedule_missed.cpp)
 inline constexpr double kCompressible = 0.4;  // most of Poisson's ratio of what bubbles resist with (bubble_error.cpp), and of strain_energy.cpp
 inline constexpr double kHeldMisses = 1.5;    // times what bubbles miss of pads of one and two elements between plates (bubble_error.cpp)

@@ -25,9 +25,32 @@ int edit_distance(const std::string& a, const std::string& b) {
 
 // Words of other programs.
 constexpr std::pair<const char*, const char*> kOtherWords[] = {
-    {"gravitation", "gravity"}, {"rigid", "stiff"},       {"deformable", "soft"},        {"elastic", "soft"},
-    {"plane", "half_space"},    {"ground", "half_space"}, {"loc", "position"},           {"origin", "position"},
-    {"rpy", "rotation"},        {"dt", "step"},           {"contact", "barrier_contact"}};
+    {"gravitation", "gravity"},
+    {"rigid", "stiff"},
+    {"deformable", "soft"},
+    {"elastic", "soft"},
+    {"plane", "half_space"},
+    {"ground", "half_space"},
+    {"fixed", "pin"},
+    {"contact", "barrier_contact"},
+    {"loc", "position"},
+    {"origin", "position"},
+    {"translation", "position"},
+    {"rpy", "rotation"},
+    {"orientation", "rotation"},
+    {"position", "point"},
+    {"offset", "point"},
+    {"parent", "to"},
+    {"child", "body"},
+    {"dt", "step"},
+    {"timestep", "step"},
+    {"time_step", "step"},
+    {"coefficient", "mu"},
+    {"friction_coefficient", "mu"},
+    {"E", "youngs_modulus"},
+    {"nu", "poisson_ratio"},
+    {"rho", "density"},
+};
 
 std::string nearest(const std::string& typed, const std::vector<std::string>& candidates) {
   if (typed.size() > 100) return "";

@@ -47,7 +47,12 @@ TEST(ScheduleMissed, Pulses) {
   EXPECT_NEAR(missed({0, 0.02, 0.03, 0.04}, {0, 0, 100, 0}), 0, 1e-9) << "keys at the ends of steps";
   EXPECT_LT(missed({0, 0.021, 0.0211}, {0, 0, 100}), 0.04) << "a jump is half a step off";
   EXPECT_NEAR(missed({0, 0.1}, {0, 100}), 0, 1e-9);
-  EXPECT_TRUE(std::isnan(missed({0, 0.1}, {3, 3}))) << "nothing changes";
+  EXPECT_EQ(missed({0, 0.1}, {3, 3}), 0) << "nothing changes";
+  EXPECT_NEAR(missed({0, 0.0185, 0.01851}, {0.5, 0.5, 0}), 2 * 3.5 / 18.5, 2e-3) << "three steps of a push that goes on for 3.7";
+  EXPECT_NEAR(missed({0, 0.02, 0.02001}, {0.5, 0.5, 0}), 0, 2e-3);
+  EXPECT_NEAR(missed({0, 0.01999, 0.02}, {0.5, 0.5, 0}), 2 * 5 / 20., 2e-3) << "the last step goes by its end";
+  EXPECT_NEAR(missed({0, 0.02499, 0.025}, {0, 0, 7}), 2 * 5 / 75., 2e-3) << "a step too early";
+  EXPECT_NEAR(missed({0, 0.025, 0.02501}, {0, 0, 7}), 0, 2e-3);
 }
 
 // The chords of a sine with n steps in a period are (pi/n)^2/3 of its area off.

@@ -1,0 +1,107 @@
+#include "audit/carried_force.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "audit/archived.h"
+#include "audit/tuning.h"
+#include "audit/vector_at.h"
+
+namespace mortise::audit {
+
+namespace {
+
+using Vector = Eigen::Map<Vec3>;
+
+// What goes as the scene says and carries a stiff body by something that gives and that no motor damps, or by something soft between.
+std::optional<std::size_t> carrier_of(const MovingBody& b, const std::vector<MovingBody>& bodies) {
+  if (b.given || b.body.soft()) return {};
+  std::optional<std::size_t> by;
+  if (b.swings) by = b.carrier;
+  if (!by && b.free && b.on && bodies[*b.on].body.soft()) by = b.on;
+  for (std::size_t turns = 0; by && bodies[*by].body.soft() && turns < bodies.size(); ++turns)
+    by = bodies[*by].bonded ? bodies[*by].bonded : bodies[*by].carrier;
+  return by && bodies[*by].given && !bodies[*by].body.soft() ? by : std::nullopt;
+}
+
+}  // namespace
+
+void CarriedForce::Axis::fit(double r, double v, double a) {
+  for (double* sum : {&rr, &rv, &vv, &ra, &va, &aa}) *sum *= tuning::kForgets;
+  rr += r * r, rv += r * v, vv += v * v, ra += r * a, va += v * a, aa += a * a;
+}
+
+double CarriedForce::Axis::swing(double a_0, double a_1, double kink, double h) {
+  double kappa = rr > 0 ? std::max(-ra / rr, 0.0) : 0, c = 0, follows = -kappa * ra;
+  const double apart = rr * vv - rv * rv, k = (rv * va - vv * ra) / apart, d = (rv * ra - rr * va) / apart;
+  if (follows < tuning::kFits * aa && apart > tuning::kApart * rr * vv && k > 0 && d > 0) kappa = k, c = d, follows = -k * ra - d * va;
+  if (!(follows > tuning::kFits * aa)) {
+    e = 0, rate = NAN;
+    return 0;
+  }
+  rate = (std::isnan(rate) ? kink / 2 : rate) - kink;  // by half of it beside the mean of both
+  // The midpoint rule, which damps nothing.
+  const int n = std::clamp(static_cast<int>(std::ceil(tuning::kPerRadian * std::sqrt(kappa) * h)), 4, 200);
+  const double dt = h / n, with = 1 + c * dt / 2 + kappa * dt * dt / 4;
+  for (int i = 0; i < n; ++i) {
+    const double a = a_0 + (a_1 - a_0) * (i + 0.5) / n, before = rate;
+    rate = ((2 - with) * before + (a - kappa * e) * dt) / with;
+    e += dt / 2 * (before + rate);
+  }
+  return -kappa * e - c * rate;
+}
+
+void CarriedForce::Axis::see(double a, double beside) { largest = std::max(largest, std::abs(a)), meant = std::max(meant, std::abs(a + beside)); }
+
+double CarriedForce::Body::share() const {
+  double most = 0, of = force;
+  for (const Axis& axis : axes) most = std::max(most, std::abs(axis.meant - axis.largest)), of = std::max(of, axis.meant);
+  return of > 0 ? most / of : NAN;
+}
+
+void CarriedForce::follow(Body& body, const MovingBody& b, const Vec3& there, double rounding) const {
+  const double h = integration_.step;
+  const Vec3 a = b.a - gravity_, changed = b.a - at(body.a, 0), slope = (b.x - at(body.x, 0)) / h;
+  const Vec3 carried = integration_.second_order ? Vec3((there + at(body.carrier, 0)) / 2) : there;
+  const Vec3 r = h * (slope - carried), v = b.v - there - at(body.seen, 0);
+  body.unrest = std::max(body.unrest, changed.norm());
+  if (changed.norm() <= std::max(tuning::kSettled * body.unrest, rounding / (h * h))) body.settled = 1;
+  body.force = std::max({body.force, a.norm(), b.push.norm() / b.body.mass()});
+  for (int d = 0; d < 3; ++d) {
+    Axis& axis = body.axes[d];
+    axis.fit(r[d], v[d], changed[d]);
+    axis.see(a[d], body.settled ? axis.swing(body.a[d], b.a[d], slope[d] - body.slope[d], h) : 0);
+  }
+  Vector(body.slope) = slope;
+}
+
+void CarriedForce::state(const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
+  if (std::isnan(integration_.step) || bodies.empty()) return;
+  bodies_.resize(bodies.size());
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const MovingBody& b = bodies[i];
+    Body& body = bodies_[i];
+    const std::optional<std::size_t> by = carrier_of(b, bodies);
+    if (!by || body.by != static_cast<double>(*by)) {  // only what was largest stays
+      body.states = body.unrest = body.settled = 0, body.by = by ? static_cast<double>(*by) : -1;
+      for (Axis& axis : body.axes) axis = {.largest = axis.largest, .meant = axis.meant};
+    }
+    if (!by) continue;
+    const Vec3 there = bodies[*by].rigid().at(b.x);
+    if (++body.states > 2)
+      follow(body, b, there, tuning::kNoWay * b.body.radius(b.x, points));
+    else if (body.states > 1)
+      Vector(body.slope) = (b.x - at(body.x, 0)) / integration_.step;
+    Vector(body.x) = b.x, Vector(body.seen) = b.v - there, Vector(body.carrier) = there, Vector(body.a) = b.a;
+  }
+}
+
+double CarriedForce::share() const {
+  double most = NAN;
+  for (const Body& b : bodies_) most = std::fmax(most, b.share());
+  return most;
+}
+
+void CarriedForce::checkpoint(Archive& archive) { archive_all(archive, "carried_force.bodies", bodies_); }
+
+}  // namespace mortise::audit
