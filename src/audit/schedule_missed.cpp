@@ -51,7 +51,7 @@ double missed_push(const Asked& asked, double h, long steps) {
     largest = std::max(largest, std::abs(should));
     if (std::abs(s1) <= tuning::kRounding * most || n + 1 == steps) missed = std::max(missed, std::abs(given - should));
   }
-  return largest > 0 ? 2 * missed / largest : NAN;
+  return largest > 0 ? std::min(2 * missed / largest, 1.0) : NAN;
 }
 
 bool rubs(const Params& effects) {
@@ -87,13 +87,38 @@ double cut_short(const Params& effects, long steps) {
   return length > 0 ? std::max(1 - chords / length, 0.0) : NAN;
 }
 
+// Does a quantity look at more than the last state?
+bool over_time(const Params& scene) {
+  const Params* quantities = scene.find("quantities");
+  if (!quantities) return false;
+  const auto looks_back = [](const Params& q) { return q.has("at") || (q.text("when") != "end" && q.text("when") != "start"); };
+  return std::any_of(quantities->items().begin(), quantities->items().end(), looks_back);
+}
+
+// Of what a schedule reaches, what no load step ends with.
+double turns_missed(const Params& effects, long steps) {
+  double worst = NAN;
+  for (const Asked& asked : all_asked(effects)) {
+    double seen[2] = {asked.at(0), asked.at(0)}, all[2] = {asked.at(0), asked.at(0)};
+    const auto see = [](double(&ends)[2], double s) { ends[0] = std::min(ends[0], s), ends[1] = std::max(ends[1], s); };
+    for (long n = 0; n < steps; ++n) {
+      const double t0 = static_cast<double>(n) / static_cast<double>(steps), t1 = static_cast<double>(n + 1) / static_cast<double>(steps);
+      for (const double t : looks(t0, t1, asked.keys)) see(all, asked.at(t));
+      see(seen, asked.at(t1));
+    }
+    if (all[1] > all[0]) worst = std::fmax(worst, 1 - (seen[1] - seen[0]) / (all[1] - all[0]));
+  }
+  return worst;
+}
+
 }  // namespace
 
 double schedule_missed(const model::ModelInput& input) {
   const Params &effects = input.scene.at("effects"), *time = input.scene.find("time");
   if (!time) return NAN;
   const long steps = time->integer("steps");
-  if (time->text("mode") == "static") return rubs(effects) ? cut_short(effects, steps) : NAN;
+  if (time->text("mode") == "static")
+    return std::fmax(rubs(effects) ? cut_short(effects, steps) : NAN, over_time(input.scene) ? turns_missed(effects, steps) : NAN);
   const double h = integration_of(input.scene).step;
   double worst = NAN;
   if (std::isnan(h)) return worst;

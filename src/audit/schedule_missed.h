@@ -17,7 +17,8 @@
 //
 //     missed = 1 - sum over the steps of |S(t_n+1) - S(t_n)| / length of the way of S,
 //
-// is a force that rises and falls within a load step, or a press and a slide that become one slanting push.
+// is a force that rises and falls within a load step, or a press and a slide that become one slanting push. And where quantities look at more than
+// the end, as at what is largest over time: what part of the range of s no load step ends with.
 #include "model/input.h"
 
 namespace mortise::audit {

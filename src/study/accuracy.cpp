@@ -32,9 +32,7 @@ class Search {
     }
     study_.quantities = out_.quantities = quantities_of_goals(scene.root, wanted.goals);
     out_.goals = wanted.goals;
-    const bool pressures =
-        std::any_of(out_.quantities.begin(), out_.quantities.end(), [](const Quantity& q) { return q.value == "contact_pressure"; });
-    take(auto_knobs(scene.root, pressures));
+    take(auto_knobs(scene.root, out_.quantities));
     if (knobs_.empty()) throw Error(Exit::usage, "--accuracy: there is nothing to refine: no body has an edge_length, and nothing moves");
     for (const AutoKnob& k : knobs_)
       for (const AutoKnob::Path& p : k.paths)

@@ -45,7 +45,10 @@ bool is_number(const Params& block, const char* key) {
 
 }  // namespace
 
-std::vector<AutoKnob> auto_knobs(const Params& scene, bool pressures) {
+std::vector<AutoKnob> auto_knobs(const Params& scene, const std::vector<Quantity>& quantities) {
+  const auto any = [&](const auto& of) { return std::any_of(quantities.begin(), quantities.end(), of); };
+  const bool pressures = any([](const Quantity& q) { return q.value == "contact_pressure"; });
+  const bool over_time = any([](const Quantity& q) { return q.of_history(); });
   std::vector<AutoKnob> out;
   AutoKnob mesh{"mesh", tuning::kMeshRatio, tuning::kMeshDearer, true, false, {}}, layer{"contact layer", 0.5, tuning::kLayerDearer, false, true, {}};
   double finest = INFINITY;  // edge of a soft body [m]
@@ -68,7 +71,7 @@ std::vector<AutoKnob> auto_knobs(const Params& scene, bool pressures) {
   const bool statics = scene.at("time").text("mode") == "static";
   AutoKnob time{statics ? "load steps" : "time step", 0.5, 1, false, false, {}};
   time.steps = scene.at("time").integer("steps"), time.end = statics ? 0 : scene::end_time(scene);
-  if (!statics || !effects::of_role(scene.at("effects"), effects::Role::follower).empty()) out.push_back(time);
+  if (!statics || over_time || !effects::of_role(scene.at("effects"), effects::Role::follower).empty()) out.push_back(time);
   return out;
 }
 

@@ -28,9 +28,9 @@ struct AutoKnob {
 };
 
 // Edge lengths of all bodies together; the contact layer where the scene gives its thickness (what is left out follows the mesh); the time step, or
-// load steps where friction remembers them. `pressures`: numbers of contact pressures are looked for. Layers whose stiffness is left to the program
-// are then no thinner than tuning::kPressureLayer of the finest soft mesh: on thinner ones pressures scatter more.
-std::vector<AutoKnob> auto_knobs(const Params& scene, bool pressures);
+// load steps where friction remembers them or numbers are of more than the end. Of contact pressures layers whose stiffness is left to the program
+// are no thinner than tuning::kPressureLayer of the finest soft mesh: on thinner ones pressures scatter more.
+std::vector<AutoKnob> auto_knobs(const Params& scene, const std::vector<Quantity>& quantities);
 // Mesh and layer as one, in proportion: ladders tell of both together with coarser runs alone, which are cheap.
 std::vector<AutoKnob> joined(std::vector<AutoKnob> knobs);
 

@@ -65,8 +65,9 @@ std::vector<double> Course::measure(const std::vector<Quantity>& quantities) {
 
 std::vector<double> Course::missed_between(const std::vector<Quantity>& quantities) const {
   const output::FieldReader reader(file_);
+  const auto missed = input().scene.at("time").text("mode") == "static" ? study::turned_between : study::missed_between;
   std::vector<double> out;
-  for (const Quantity& q : quantities) out.push_back(study::missed_between(reader, q));
+  for (const Quantity& q : quantities) out.push_back(missed(reader, q));
   return out;
 }
 

@@ -167,6 +167,12 @@ bool QuantityBudget::complete() const {
   return std::all_of(parts.begin(), parts.end(), [](const ErrorPart& p) { return std::isfinite(p.error); });
 }
 
+std::string what_lies_between(double share) {
+  if (!(std::abs(share) > 0)) return "";
+  return fmt::format("{}between steps it may be {:.2g} % off that value",
+                     std::abs(share) > tuning::kPeakShare ? std::string(kNotReliable) + ": " : "", 100 * std::abs(share));
+}
+
 ErrorBudget budget_of(engine::Engine& engine, const model::ModelInput& input, const std::vector<Quantity>& quantities) {
   ErrorBudget out;
   const double start = cpu_time();
@@ -215,6 +221,10 @@ run::Estimated budget_of_run(engine::Engine* engine, const model::ModelInput& in
       of.why_not += "; mortise study SCENE --error-budget has it";
     try {
       of.judge(measure(reader, quantities[k]));
+      if (const double between = none.empty() ? turned_between(reader, quantities[k]) : 0; between > tuning::kPeakShare * std::abs(of.value)) {
+        of.parts.push_back({kBetweenPart, NAN, what_lies_between(between / of.value)});
+        of.parts.back().found = between;
+      }
     } catch (const Error& e) {
       of.why_not = e.what();
     }

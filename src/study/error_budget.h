@@ -44,6 +44,9 @@ struct ErrorBudget {
   bool exact = true;                      // J^T lacked nothing
 };
 
+// Of what the largest or smallest value of a quantity may be off by between steps, a share of it; empty: nothing.
+std::string what_lies_between(double share);
+
 // Of the state that the engine's last step led to; values are left out.
 ErrorBudget budget_of(engine::Engine& engine, const model::ModelInput& input, const std::vector<Quantity>& quantities);
 

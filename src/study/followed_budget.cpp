@@ -125,17 +125,14 @@ ErrorBudget followed_budget(const scene::Scene& scene, const std::vector<Quantit
   if (motion) out.note = touches.note();
 
   const std::vector<double> values = base.measure(quantities);
-  const std::vector<double> missed = motion ? base.missed_between(quantities) : std::vector<double>(values.size(), 0.0);
+  const std::vector<double> missed = base.missed_between(quantities);
   for (std::size_t k = 0; k < values.size(); ++k) {
     QuantityBudget& budget = out.of.emplace_back();
     budget.why_not = why_not(quantities[k], values[k]);
     budget.value = values[k];
     if (!blind.soft()) budget.parts.push_back(blind.part(NAN));
     if (!motion && scene.root.at("time").integer("steps") > 1) budget.parts.push_back({kLoadStepsPart, NAN, "ladders tell (--vary time.steps=...)"});
-    if (const double share = std::abs(missed[k] / values[k]); share > 0)
-      budget.parts.push_back({kBetweenPart, NAN,
-                              fmt::format("{}a step beside that value it is {:.2g} % off it",
-                                          share > tuning::kPeakShare ? std::string(kNotReliable) + ": " : "", 100 * share)});
+    if (const std::string between = what_lies_between(missed[k] / values[k]); !between.empty()) budget.parts.push_back({kBetweenPart, NAN, between});
   }
   for (Mended& m : faults) {
     const std::string lost = m.less->engine().lost().empty() ? m.more->engine().lost() : m.less->engine().lost();

@@ -145,18 +145,42 @@ History history_of(const FieldReader& file, const Quantity& q) {
 
 double measure(const FieldReader& file, const Quantity& q) { return reduced(history_of(file, q), q); }
 
-double missed_between(const FieldReader& file, const Quantity& q) {
+namespace {
+
+// Of what a quantity is the end of: the sum over its ends of what `beyond` says of the values, the smallest of which are told as the largest.
+template <class F>
+double at_ends(const FieldReader& file, const Quantity& q, const F& beyond) {
   const bool largest = q.when == "largest" || q.when == "range", smallest = q.when == "smallest" || q.when == "range";
   if (q.at || !(largest || smallest)) return 0;
-  const std::vector<double> v = history_of(file, q).value;
+  std::vector<double> v = history_of(file, q).value;
   if (v.empty()) return 0;
-  const auto [least, most] = std::minmax_element(v.begin(), v.end());
-  const auto fall = [&](auto at) {  // to a neighbour
+  double out = largest ? beyond(v) : 0;
+  for (double& x : v) x = -x;
+  return smallest ? out + beyond(v) : out;
+}
+
+}  // namespace
+
+double missed_between(const FieldReader& file, const Quantity& q) {
+  return at_ends(file, q, [](const std::vector<double>& v) {
+    const auto most = std::max_element(v.begin(), v.end());
     double out = 0;
-    if (at != v.begin()) out = std::abs(*at - *(at - 1));
-    return at + 1 != v.end() ? std::max(out, std::abs(*at - *(at + 1))) : out;
-  };
-  return (largest ? fall(most) : 0) + (smallest ? fall(least) : 0);
+    if (most != v.begin()) out = *most - *(most - 1);
+    return most + 1 != v.end() ? std::max(out, *most - *(most + 1)) : out;
+  });
+}
+
+double turned_between(const FieldReader& file, const Quantity& q) {
+  return at_ends(file, q, [](const std::vector<double>& v) {
+    const double most = *std::max_element(v.begin(), v.end());
+    double out = 0;
+    for (std::size_t i = 1; i + 2 < v.size(); ++i) {
+      const double rise = v[i] - v[i - 1], fall = v[i + 1] - v[i + 2];  // v_i + rise s = v_i+1 + fall (1 - s)
+      const double s = rise > 0 && fall > 0 ? (v[i + 1] + fall - v[i]) / (rise + fall) : -1;
+      if (s > 0 && s < 1) out = std::max(out, v[i] + rise * s - most);
+    }
+    return out;
+  });
 }
 
 double largest_apart(const FieldReader& file, const FieldReader& other, const Quantity& q) {

@@ -13,6 +13,9 @@ double measure(const output::FieldReader& file, const Quantity& quantity);
 
 // Of a largest or smallest value over time, or both: what it is away from the farther of the values a frame before and after. 0 of others.
 double missed_between(const output::FieldReader& file, const Quantity& quantity);
+// The same of what goes on evenly but for where it turns, as load steps do: how much farther it would be where lines through the two values before
+// and the two after meet.
+double turned_between(const output::FieldReader& file, const Quantity& quantity);
 
 // Of what is measured at one time: the most that two runs of the same frames are apart up to then, over the largest value of the first. 0 of others.
 double largest_apart(const output::FieldReader& file, const output::FieldReader& other, const Quantity& quantity);

@@ -184,7 +184,9 @@ TEST(Accuracy, PressuresWantALayerThatFitsTheMesh) {
                          "effects:\n  elasticity: {}\n  pin: [{body: pad, where: {side: z_min}}, {body: ball, where: {side: all}}]\n"
                          "  mortar_contact: {pairs: [{slave: pad, master: ball}]}\n";
   const auto knobs = [&](const std::vector<std::string>& set, bool pressures) {
-    return auto_knobs(scene::read_scene(file, set, engine::effect_tables()).root, pressures);
+    Quantity q;
+    q.value = pressures ? "contact_pressure" : "supports/ball_z";
+    return auto_knobs(scene::read_scene(file, set, engine::effect_tables()).root, {q});
   };
   const std::string layer = "effects.mortar_contact.";
   EXPECT_EQ(knobs({}, false).size(), 1U);
@@ -199,6 +201,10 @@ TEST(Accuracy, PressuresWantALayerThatFitsTheMesh) {
   EXPECT_EQ(one[0].name, "mesh and layer");
   EXPECT_EQ(one[0].settings(0), fits[1].settings(0));
   EXPECT_EQ(one[0].settings(2).size(), 3U);
+  Quantity largest;
+  largest.value = "supports/ball_z", largest.when = "largest";
+  EXPECT_EQ(auto_knobs(scene::read_scene(file, {}, engine::effect_tables()).root, {largest}).back().name, "load steps")
+      << "of the way, not of its end";
   EXPECT_NEAR(std::stod(one[0].settings(2)[2].second), 0.005, 1e-9) << "both in proportion";
   std::filesystem::remove(file);
 }
