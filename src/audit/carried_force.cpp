@@ -26,31 +26,6 @@ std::optional<std::size_t> carrier_of(const MovingBody& b, const std::vector<Mov
 
 }  // namespace
 
-void CarriedForce::Axis::fit(double r, double v, double a) {
-  for (double* sum : {&rr, &rv, &vv, &ra, &va, &aa}) *sum *= tuning::kForgets;
-  rr += r * r, rv += r * v, vv += v * v, ra += r * a, va += v * a, aa += a * a;
-}
-
-double CarriedForce::Axis::swing(double a_0, double a_1, double kink, double h) {
-  double kappa = rr > 0 ? std::max(-ra / rr, 0.0) : 0, c = 0, follows = -kappa * ra;
-  const double apart = rr * vv - rv * rv, k = (rv * va - vv * ra) / apart, d = (rv * ra - rr * va) / apart;
-  if (follows < tuning::kFits * aa && apart > tuning::kApart * rr * vv && k > 0 && d > 0) kappa = k, c = d, follows = -k * ra - d * va;
-  if (!(follows > tuning::kFits * aa)) {
-    e = 0, rate = NAN;
-    return 0;
-  }
-  rate = (std::isnan(rate) ? kink / 2 : rate) - kink;  // by half of it beside the mean of both
-  // The midpoint rule, which damps nothing.
-  const int n = std::clamp(static_cast<int>(std::ceil(tuning::kPerRadian * std::sqrt(kappa) * h)), 4, 200);
-  const double dt = h / n, with = 1 + c * dt / 2 + kappa * dt * dt / 4;
-  for (int i = 0; i < n; ++i) {
-    const double a = a_0 + (a_1 - a_0) * (i + 0.5) / n, before = rate;
-    rate = ((2 - with) * before + (a - kappa * e) * dt) / with;
-    e += dt / 2 * (before + rate);
-  }
-  return -kappa * e - c * rate;
-}
-
 void CarriedForce::Axis::see(double a, double beside) { largest = std::max(largest, std::abs(a)), meant = std::max(meant, std::abs(a + beside)); }
 
 double CarriedForce::Body::share() const {
@@ -69,8 +44,8 @@ void CarriedForce::follow(Body& body, const MovingBody& b, const Vec3& there, do
   body.force = std::max({body.force, a.norm(), b.push.norm() / b.body.mass()});
   for (int d = 0; d < 3; ++d) {
     Axis& axis = body.axes[d];
-    axis.fit(r[d], v[d], changed[d]);
-    axis.see(a[d], body.settled ? axis.swing(body.a[d], b.a[d], slope[d] - body.slope[d], h) : 0);
+    axis.swing.fit(r[d], v[d], changed[d]);
+    axis.see(a[d], body.settled ? axis.swing.swing(body.a[d], b.a[d], slope[d] - body.slope[d], h) : 0);
   }
   Vector(body.slope) = slope;
 }

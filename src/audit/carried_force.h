@@ -1,23 +1,15 @@
 #pragma once
 // What the time step makes of the swings of stiff bodies that soft ones or springs carry on what pins and kinematic drives move: an object in the
 // pads of a hand, a block on a mount. What carries them jolts them, or shakes them near their resonance, and nothing in the model damps that but the
-// integrator. With x, v, a the centre of such a body, its velocity and acceleration in every state, r and r' the first two as seen from its carrier,
-// along every axis of the world
+// integrator. The centre of such a body is followed beside the run along every axis of the world, as seen from its carrier (fitted_swing.h), with an
+// acceleration a*. Told is what the largest |m (a* - g)| differs by from the largest |m (a - g)|, along the axis where it is most, over the largest
+// force on the body.
 //
-//     a = -kappa r - c r' + what it stands in,
-//
-// kappa and c fitted to the changes of the last states (each weighs kForgets of the one after); c is 0 where that follows, too. Of what ends a step
-// of length h at x_1 the motion between is x_0 + (x_1 - x_0) t/h, which the forces there do not follow; what the body should be beside it is
-//
-//     e'' + c e' + kappa e = a - x'',     x'' = sum over the states of delta(t) (x_1 - 2 x_0 + x_-1) / h,
-//
-// whatever drives it, and whatever integrates it; its acceleration is a* = a - kappa e - c e'. Told is what the largest |m (a* - g)| differs by from
-// the largest |m (a - g)|, along the axis where it is most, over the largest force on the body.
-//
-// e is 0 where the fit leaves more than 1 - kFits of the changes' square, and until what began with a touch has died down to kSettled of its changes
-// of acceleration: what it brought is not asked for (strikes_damped sees the largest force).
+// Not until what began with a touch has died down to kSettled of its changes of acceleration: what it brought is not asked for (strikes_damped sees
+// the largest force).
 #include <vector>
 
+#include "audit/fitted_swing.h"
 #include "audit/moving_body.h"
 #include "base/archive.h"
 #include "model/input.h"
@@ -32,15 +24,10 @@ class CarriedForce {
   void checkpoint(Archive& archive);
 
  private:
-  // Along one axis: sums of r r, r r', r' r', r a, r' a and a a over the changes so far; e [m] and e' [m/s], NaN: it does
-  // not swing; the largest |a - g| and |a* - g| [m/s^2].
+  // Along one axis; the largest |a - g| and |a* - g| [m/s^2].
   struct Axis {
-    double rr = 0, rv = 0, vv = 0, ra = 0, va = 0, aa = 0;
-    double e = 0, rate = NAN;
+    FittedSwing swing;
     double largest = 0, meant = 0;
-    void fit(double r, double v, double a);
-    // Over a step in which a goes from a_0 to a_1, before which x changed its rate by kink; gives a* - a in its end.
-    double swing(double a_0, double a_1, double kink, double h);
     void see(double a, double beside);
   };
   // Of a body: states in a row with the same carrier, and its number; x, its last change over h, v - V and a in the last state; what a changed by at

@@ -102,7 +102,7 @@ bool Holds::given(const std::string& body) const {
 bool Holds::goes_by_gains(const std::string& body) const {
   return held(body) && !given(body) && each_joint(body, [&](const Joint& joint) {
            const Motor* m = motor(joint);
-           return joint.fixed || (m && (m->kinematic || m->has_gains()));
+           return joint.fixed || (m && (m->kinematic || m->swings()));
          });
 }
 

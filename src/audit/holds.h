@@ -29,6 +29,7 @@ class Holds {
     bool kinematic = false, passive = false, effort_only = false;
     double kp = 0, kd = 0, effort = INFINITY, spring = 0, damping = 0, armature = 0;
     bool has_gains() const { return !kinematic && !passive && !effort_only; }
+    bool swings() const { return has_gains() || (passive && spring > 0); }  // about its target, or where its spring is at ease
   };
   const Motor& motor_of(const std::string& joint) const { return motors_.at(joint); }
 
@@ -41,7 +42,7 @@ class Holds {
   // Do motor, spring and damper of the first joint on the way that moves damp by far more than a time step of backward Euler does, whose share
   // of damping is h times the stiffness? step: h [s].
   bool damped(const std::string& body, double step) const;
-  // Does it hang, by joints that all are fixed, kinematic or have motors with gains, on what holds it?
+  // Does it hang, by joints that all are fixed, kinematic or have motors with gains or springs, on what holds it?
   bool goes_by_gains(const std::string& body) const;
   using Motions = std::function<geometry::Motion(const std::string& body)>;  // from rest to now
   // What a unit of the coordinate of each joint that leads moves a held body with, whose centre this is; by the joint's name.

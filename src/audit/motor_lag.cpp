@@ -38,10 +38,10 @@ MotorLag::MotorLag(const model::ModelInput& input) : integration_(integration_of
     const std::string& name = p.text("joint");
     const Holds::Motor& motor = holds_.motor_of(name);
     const std::optional<Params> joint = joint_named(effects, name);
-    if (!motor.has_gains() || !joint || joint->has("mimic")) continue;
+    if (!motor.swings() || !joint || joint->has("mimic")) continue;
     const bool slides = joint->text("type") == "prismatic";
     motors_.push_back({motor, name, "joint/" + name + (slides ? "_travel" : "_angle"), "joint/" + name + "_rate",
-                       "drive/" + name + (slides ? "_force" : "_torque"), "drive/" + name + "_target", slides});
+                       "drive/" + name + (slides ? "_force" : "_torque"), "drive/" + name + "_target", slides, p.has("rest") ? p.number("rest") : 0});
   }
   if (motors_.empty()) return;
   std::size_t number = 0;
@@ -54,7 +54,7 @@ MotorLag::MotorLag(const model::ModelInput& input) : integration_(integration_of
 
 MotorLag::Sums MotorLag::sum(const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
   const std::size_t n = motors_.size();
-  Sums out{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), std::vector<bool>(n, true)};
+  Sums out{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), std::vector<bool>(n, true), std::vector<bool>(n, false)};
   for (std::size_t j = 0; j < n; ++j) out.M(j, j) = motors_[j].armature;
   std::map<std::string, std::size_t> number;
   for (const MovingBody& b : bodies) number[b.body.name] = b.body.first;
@@ -79,6 +79,7 @@ MotorLag::Sums MotorLag::sum(const std::vector<double>& points, const std::vecto
         if (const auto other = by.find(motors_[k].joint); other != by.end())
           out.M(j, k) += m * phi->second.v.dot(other->second.v) + phi->second.w.dot(I * other->second.w);
       if (b.touches || b.stopped) out.free[j] = false;
+      if (b.stopped) out.stopped[j] = true;
       if (errors_[j].size == 0) errors_[j].size = motors_[j].slides ? b.body.radius(b.x, points) : 1;
     }
   }
@@ -125,11 +126,30 @@ void MotorLag::advance(const Sums& sums, const Snapshot& said) {
     for (Eigen::Index j = 0; j < n; ++j) {
       const Motor& m = motors_[j];
       Error& e = errors_[j];
-      const double target = e.target + share * (said.at(m.target) - e.target);
-      if (sums.free[j] && !m.saturated(said)) Error::see(e.as_should, std::clamp(m.kp * (target - theta[j]) - m.kd * rate[j], -m.effort, m.effort));
+      const double target = e.target + share * (m.wanted(said) - e.target);
+      if (sums.free[j] && !m.saturated(said)) Error::see(e.as_should, m.torque_at(target, theta[j], rate[j]));
     }
   }
-  for (Eigen::Index j = 0; j < n; ++j) errors_[j].theta = sums.free[j] ? theta[j] : x[j], errors_[j].rate = sums.free[j] ? rate[j] : v[j];
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const Motor& m = motors_[j];
+    Error& e = errors_[j];
+    e.theta = sums.free[j] ? theta[j] : x[j], e.rate = sums.free[j] ? rate[j] : v[j];
+    e.touched.state(x[j], v[j], m.wanted(said), (sums.J[j] + m.armature * a[j]) / sums.M(j, j), a[j], integration_.step);
+    if (sums.free[j] || sums.stopped[j] || m.saturated(said)) e.touched.swing.rest();
+    if (const double beside = e.touched.swing.e; beside != 0) {
+      e.reach = std::max(e.reach, std::abs(x[j] + beside - e.start));
+      Error::see(e.as_should, m.torque_at(m.wanted(said), x[j] + beside, v[j]));
+    }
+  }
+}
+
+void MotorLag::TouchedJoint::state(double to, double rate, double wanted, double driven_to, double a_to, double h) {
+  const double now = (to - x) / h, target_now = (wanted - target) / h;
+  if (++states > 2) {
+    swing.fit(h * (now - target_now), rate - v - (target_now - target_slope), driven_to - driven);
+    swing.swing(a, a_to, now - slope, h);
+  }
+  x = to, slope = now, v = rate, target = wanted, target_slope = target_now, driven = driven_to, a = a_to;
 }
 
 void MotorLag::state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
@@ -142,18 +162,22 @@ void MotorLag::state(const Snapshot& said, const std::vector<double>& points, co
   for (std::size_t j = 0; j < motors_.size(); ++j) {
     const Motor& m = motors_[j];
     Error& e = errors_[j];
-    const double x = said.at(m.coordinate), v = said.at(m.rate), torque = said.at(m.torque);
+    const double x = said.at(m.coordinate), v = said.at(m.rate), torque = m.torque_of(said);
     if (states_ == 1) e.start = e.theta = x, e.rate = e.v = v;
-    e.target = said.at(m.target);
+    e.target = m.wanted(said);
     e.wrong = std::max(e.wrong, std::abs(x - e.theta)), e.far = std::max(e.far, std::abs(x - e.start));
     Error::see(e.torque, torque);
-    if (states_ == 1 || !sums.free[j] || m.saturated(said)) Error::see(e.as_should, torque);
+    if (states_ == 1 || (!sums.free[j] && e.touched.swing.e == 0) || m.saturated(said)) Error::see(e.as_should, torque);
   }
 }
 
 double MotorLag::way() const {
   double most = NAN;
-  for (const Error& e : errors_) most = std::fmax(most, e.wrong / std::max(e.far, tuning::kStill * 2 * e.size));
+  for (const Error& e : errors_) {
+    const double missing = std::max(e.reach - e.far, 0.0);
+    most =
+        std::fmax(most, std::max(e.wrong / std::max(e.far, tuning::kStill * 2 * e.size), missing / std::max(e.reach, tuning::kStill * 2 * e.size)));
+  }
   return most;
 }
 

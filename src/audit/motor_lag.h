@@ -1,7 +1,7 @@
 #pragma once
-// What the time step makes of joints that motors with gains (mode pd) drive: backward Euler damps how a joint swings about its target, and with that
-// the largest torques; BDF2 overshoots where it swings in few steps. Such joints are followed beside the run in kMotorParts steps for every one of
-// its own, as
+// What the time step makes of joints that motors with gains (mode pd) drive, or springs alone: backward Euler damps how a joint swings about its
+// target, and with that the largest torques; BDF2 overshoots where it swings in few steps. Such joints are followed beside the run in kMotorParts
+// steps for every one of its own, as
 //
 //     M theta'' + D theta' + K theta = g(t),     K = kp + S,  D = kd + c     (S, c: of the joint's spring and bearing),
 //
@@ -16,10 +16,12 @@
 // the torque of a motor should be kp (target - theta) - kd theta', within steps as well, where the largest ones mostly are. A motor that gives all of
 // its effort has no kp and no kd. Not followed: what hangs on joints that nothing drives or efforts do, and mechanisms that nothing holds. What
 // touches something or is at a stop starts anew when it is free again. Soft bodies count as points.
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
 
+#include "audit/fitted_swing.h"
 #include "audit/holds.h"
 #include "audit/moving_body.h"
 #include "base/archive.h"
@@ -45,11 +47,26 @@ class MotorLag {
   struct Motor : Holds::Motor {
     std::string joint, coordinate, rate, torque, target;
     bool slides;
-    bool saturated(const Snapshot& said) const { return std::abs(said.at(torque)) >= effort; }
+    double rest;  // of a spring alone
+    bool saturated(const Snapshot& said) const { return has_gains() && std::abs(said.at(torque)) >= effort; }
+    double wanted(const Snapshot& said) const { return has_gains() ? said.at(target) : rest; }
+    // Of the motor, or of a spring alone.
+    double torque_of(const Snapshot& said) const { return has_gains() ? said.at(torque) : torque_at(rest, said.at(coordinate), 0); }
+    double torque_at(double target, double theta, double rate) const {
+      return has_gains() ? std::clamp(kp * (target - theta) - kd * rate, -effort, effort) : spring * (target - theta);
+    }
+  };
+  // A joint as a swing: its state, and that of its target; J_j / M_jj and what its rate changes by.
+  struct TouchedJoint {
+    FittedSwing swing;
+    double states = 0, x = 0, slope = 0, v = 0, target = 0, target_slope = 0, driven = 0, a = 0;
+    void state(double x, double v, double target, double driven, double a, double h);
   };
   // Of a motor: theta and its rate; of the last state g, J, v', v and the target, and v of the one before; the start; the size of what it moves; what
   // was largest so far, of torques against its coordinate and along it.
   struct Error {
+    TouchedJoint touched;
+    double reach = 0;  // the farthest that it should have been from its start, touching
     double theta = 0, rate = 0, g = 0, J = 0, a = 0, v = 0, v_before = 0, target = 0, start = 0, size = 0;
     double wrong = 0, far = 0, torque[2] = {0, 0}, as_should[2] = {0, 0};
     static void see(double (&largest)[2], double torque) { largest[torque > 0] = std::fmax(largest[torque > 0], std::abs(torque)); }
@@ -64,7 +81,7 @@ class MotorLag {
   struct Sums {
     Eigen::MatrixXd M;
     Eigen::VectorXd J;
-    std::vector<bool> free;
+    std::vector<bool> free, stopped;
   };
   Sums sum(const std::vector<double>& points, const std::vector<MovingBody>& bodies);
   void advance(const Sums& sums, const Snapshot& said);

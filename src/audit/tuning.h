@@ -100,9 +100,9 @@ inline constexpr long kBegins = 3;           // states: BDF2 has its history the
 inline constexpr double kPeak = 1. / 3;      // of the second difference of accelerations: what BDF2 errs by in them (struck.cpp)
 inline constexpr double kRoundedWay = 1e-7;  // of the size of what a motor moves: the torque of so little is that of a robot that stands still
 inline constexpr double kOtherWay = 0.5;     // of a motor's largest torque: that the other way counts as no less than (motor_lag.cpp)
-inline constexpr double kForgets = 0.6, kFits = 0.95, kApart = 1e-6;  // of what carries a body: what a state weighs in the next one, what
-                                                                      // has to follow, and how far r and r' are apart (carried_force.h)
-inline constexpr double kSettled = 0.1;                               // of what its acceleration changed by at most
+inline constexpr double kForgets = 0.6, kFits = 0.95, kApart = 1e-6;  // of a swing: what a state weighs in the next one, what
+                                                                      // has to follow, and how far r and r' are apart (fitted_swing.h)
+inline constexpr double kSettled = 0.1;                               // of what its acceleration changed by at most (carried_force.h)
 inline constexpr double kPerRadian = 8;                               // steps of its own swing: below 1e-3 of it
 inline constexpr double kBrings = 0.25;       // of the square of what presses: less, in the same measure, is no strike (struck.h)
 inline constexpr double kJumps = 10;          // of given velocities: starts and stops of some phases, no sampled track (given_kinks.h)

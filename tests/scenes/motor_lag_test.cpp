@@ -48,6 +48,24 @@ effects:
   drive: [{joint: slide, mode: pd, kp: 50, kd: 0.3, travel: 0}]
 )";
 
+// A palm that a box is let go on.
+const char* const kPalm = R"(
+mortise: 1
+name: palm
+time: {step: 5 ms, steps: 1}
+bodies:
+  palm: {type: stiff, shape: {box: {size: [60 mm, 60 mm, 10 mm], edge_length: 60 mm}}, mass: 0.2, position: [0, 0, -5 mm]}
+  box: {type: stiff, shape: {box: {size: [40 mm, 40 mm, 40 mm], edge_length: 20 mm}}, mass: 0.4, position: [0, 0, 20.001 mm]}
+effects:
+  inertia: {}
+  gravity: {}
+  affine_body: {}
+  barrier_contact: {}
+  joint: [{name: lift, type: prismatic, body: palm, axis: [0, 0, 1]}]
+  drive: [{joint: lift, mode: pd, kp: 1000, kd: 2, travel: 1.962 mm}]
+  pin: [{body: box, where: {side: all}, release: 20 ms}]
+)";
+
 struct Moved {
   audit::EnergyAudit::Result energy;
   std::map<std::string, double> largest;             // |number|
@@ -126,4 +144,20 @@ TEST(MotorLag, SeesWhatAHandDoesToItsJaw) {
 TEST(MotorLag, IsNothingWhereNothingSwingsOrNoMotorHasGains) {
   EXPECT_LT(move(kJaw, 5e-3, 0.1, {"effects.pin.0.motion.translation=[[0, 0, 0], [0, 0, 0]]"}).energy.motor_lag, 1e-9);
   EXPECT_TRUE(std::isnan(move(kJaw, 5e-3, 0.05, {"effects.drive=[{joint: slide, mode: effort, force: 0.1}]"}).energy.motor_lag));
+}
+
+// What lies on it has its part of the mass; no more is known of it than that both go together. Of the spring alone there is no motor's torque.
+TEST(MotorLag, SeesWhatTouchesSwing) {
+  const double sinks = 0.4 * 9.81 / 1000, zeta = 2 / (2 * std::sqrt(1000 * 0.6)),
+               should = sinks * (1 + std::exp(-M_PI * zeta / std::sqrt(1 - zeta * zeta)));
+  for (const char* drive :
+       {"{joint: lift, mode: pd, kp: 1000, kd: 2, travel: 1.962 mm}", "{joint: lift, mode: passive, stiffness: 1000, damping: 2, rest: 1.962 mm}"})
+    for (const double step : {10e-3, 5e-3}) {
+      const Moved run = move(kPalm, step, 0.2, {fmt::format("effects.drive=[{}]", drive)});
+      const double missing = 1 - run.largest.at("joint/lift_travel") / should;
+      EXPECT_GT(missing, 0.1);
+      EXPECT_NEAR(run.energy.motor_lag, missing, 0.25 * missing) << drive << step;
+      EXPECT_GT(run.energy.motor_torque_lag, 0.5 * missing);
+    }
+  EXPECT_LT(move(kPalm, 2e-3, 0.2, {"effects.inertia.integrator=bdf2"}).energy.motor_lag, 0.02);
 }
