@@ -29,7 +29,7 @@ std::string advice(std::string_view check, const Has& has) {
       {"start_energy", "more room between bodies at the start, or a smaller d_hat"},
       {"schedule_missed", "shorter steps, of which none goes past a turn or a pulse of a schedule"},
       {"motion_lag", kDamps},
-      {"given_lag", kDamps},
+      {"given_lag", "shorter steps (time.step), or inertia: {integrator: bdf2}; of tracks that go straight from key to key interpolation: smooth"},
       {"work_lag", kDamps},
       {"given_kinks", "keys whose velocities change over several steps, or, where peaks of forces count, inertia: {integrator: backward_euler}"},
       {"carried_force_lag", kDamps},

@@ -3,35 +3,76 @@
 #include <algorithm>
 #include <cmath>
 
+#include "audit/archived.h"
 #include "audit/entries.h"
+#include "audit/tuning.h"
 #include "audit/vector_at.h"
 
 namespace mortise::audit {
 
-GivenLag::GivenLag(const model::ModelInput& input)
-    : backward_euler_(!integration_of(input.scene).second_order && told_to_move(input.scene.at("effects"))) {}
+namespace {
 
-void GivenLag::state(const std::vector<MovingBody>& bodies, const std::vector<double>& forces) {
+// Joints with kinematic drives that lead.
+std::vector<std::string> kinematic(const Params& effects, const Holds& holds) {
+  std::vector<std::string> out;
+  for (const Params& p : entries(effects, "drive"))
+    if (const std::optional<Params> joint = joint_named(effects, p.text("joint"));
+        joint && !joint->has("mimic") && holds.motor_of(p.text("joint")).kinematic)
+      out.push_back(p.text("joint"));
+  return out;
+}
+
+}  // namespace
+
+GivenLag::GivenLag(const model::ModelInput& input)
+    : backward_euler_(!integration_of(input.scene).second_order && told_to_move(input.scene.at("effects"))),
+      holds_(input.scene.at("effects")),
+      drives_(kinematic(input.scene.at("effects"), holds_)),
+      sums_(input, holds_, drives_, [&](const std::string& body) { return backward_euler_ && holds_.given(body); }) {}
+
+void GivenLag::Sides::see(const Vec3& now, double force) {
+  const double change = (now - at(last, 0)).norm(), of = std::fmax(now.norm(), force);
+  const bool smooth = change < now.norm();
+  late += change, all += of, jumps += !smooth && change > tuning::kRoundedWay * force;
+  if (smooth) late_smooth += change, all_smooth += of;
+  std::copy(now.data(), now.data() + 3, last);
+}
+
+double GivenLag::Sides::lag() const {
+  if (jumps > tuning::kJumps) return all > 0 ? late / all : NAN;
+  return all_smooth > 0 ? late_smooth / all_smooth : NAN;
+}
+
+void GivenLag::state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies,
+                     const std::vector<double>& forces) {
   if (!backward_euler_ || bodies.empty()) return;
-  a_.resize(3 * bodies.size()), late_.resize(bodies.size()), all_.resize(bodies.size());
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const Vec3 &a = bodies[i].a, change = a - at(a_, i);
-    const double m = bodies[i].body.mass();
-    if (states_ > 1 && bodies[i].given && change.norm() < a.norm()) late_[i] += m * change.norm(), all_[i] += std::fmax(m * a.norm(), forces[i]);
-    Eigen::Map<Vec3>(a_.data() + 3 * i) = a;
+  bodies_.resize(bodies.size()), joints_.resize(drives_.size());
+  if (++states_ <= 2) {
+    for (std::size_t i = 0; i < bodies.size(); ++i) Eigen::Map<Vec3>(bodies_[i].last) = bodies[i].body.mass() * bodies[i].a;
+  } else {
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      if (bodies[i].given) bodies_[i].see(bodies[i].body.mass() * bodies[i].a, forces[i]);
   }
-  ++states_;
+  if (sums_.empty()) return;
+  const Eigen::VectorXd J = sums_.of(points, bodies).J;
+  for (std::size_t j = 0; j < drives_.size(); ++j) {
+    const std::string drive = "drive/" + drives_[j];
+    const double force = std::abs(said.at(said.has(drive + "_torque") ? drive + "_torque" : drive + "_force"));
+    if (states_ > 2) joints_[j].see({J[j], 0, 0}, force);
+    joints_[j].last[0] = J[j];
+  }
 }
 
 double GivenLag::value() const {
   double most = NAN;
-  for (std::size_t i = 0; i < all_.size(); ++i)
-    if (all_[i] > 0) most = std::fmax(most, late_[i] / all_[i]);
+  for (const std::vector<Sides>* of : {&bodies_, &joints_})
+    for (const Sides& s : *of) most = std::fmax(most, s.lag());
   return most;
 }
 
 void GivenLag::checkpoint(Archive& archive) {
-  for (auto [name, values] : {std::pair{"given_lag.a", &a_}, {"given_lag.late", &late_}, {"given_lag.all", &all_}}) archive.io(name, *values);
+  archive_all(archive, "given_lag.bodies", bodies_);
+  archive_all(archive, "given_lag.joints", joints_);
   archive.io("given_lag.states", states_);
 }
 

@@ -10,27 +10,6 @@
 
 namespace mortise::audit {
 
-namespace {
-
-// About the centre of mass c: 2 T of velocities w x (x - c) is w . I w.
-Mat3 inertia_about_centre(const model::BodyInput& input) {
-  if (input.type == model::BodyType::soft) return Mat3::Zero();
-  const MeasuredBody body(input, 0);
-  std::vector<double> points, velocity(3 * input.nodes.size());
-  for (const Vec3& x : input.nodes) points.insert(points.end(), {x[0], x[1], x[2]});
-  const auto twice = [&](const Vec3& w) {
-    for (std::size_t i = 0; i < input.nodes.size(); ++i) Eigen::Map<Vec3>(velocity.data() + 3 * i) = w.cross(input.nodes[i]);
-    return 2 * body.turning_energy(velocity, points);
-  };
-  Mat3 out;
-  for (int i = 0; i < 3; ++i) out(i, i) = twice(Vec3::Unit(i));
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < i; ++j) out(i, j) = out(j, i) = 0.5 * (twice(Vec3::Unit(i) + Vec3::Unit(j)) - out(i, i) - out(j, j));
-  return out;
-}
-
-}  // namespace
-
 MotorLag::MotorLag(const model::ModelInput& input) : integration_(integration_of(input.scene)), holds_(input.scene.at("effects")) {
   const Params& effects = input.scene.at("effects");
   if (std::isnan(integration_.step)) return;
@@ -43,51 +22,13 @@ MotorLag::MotorLag(const model::ModelInput& input) : integration_(integration_of
     motors_.push_back({motor, name, "joint/" + name + (slides ? "_travel" : "_angle"), "joint/" + name + "_rate",
                        "drive/" + name + (slides ? "_force" : "_torque"), "drive/" + name + "_target", slides, p.has("rest") ? p.number("rest") : 0});
   }
-  if (motors_.empty()) return;
-  std::size_t number = 0;
-  for (const model::BodyInput& b : input.bodies) {
-    if (b.type == model::BodyType::half_space) continue;
-    if (holds_.goes_by_gains(b.name)) carried_.push_back({number, inertia_about_centre(b)});
-    rest_[b.name] = b.nodes, ++number;
-  }
-}
-
-MotorLag::Sums MotorLag::sum(const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
-  const std::size_t n = motors_.size();
-  Sums out{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), std::vector<bool>(n, true), std::vector<bool>(n, false)};
-  for (std::size_t j = 0; j < n; ++j) out.M(j, j) = motors_[j].armature;
-  std::map<std::string, std::size_t> number;
-  for (const MovingBody& b : bodies) number[b.body.name] = b.body.first;
-  std::map<std::string, geometry::Motion> found;  // many hang on the same
-  const auto motion = [&](const std::string& body) {
-    if (const auto known = found.find(body); known != found.end()) return known->second;
-    const std::vector<Vec3>& rest = rest_.at(body);
-    std::vector<Vec3> now;
-    for (std::size_t i = 0; i < rest.size(); ++i) now.push_back(at(points, number.at(body) + i));
-    return found[body] = geometry::nearest_motion_of_any(rest, now);
-  };
-  for (const Carried& c : carried_) {
-    const MovingBody& b = bodies[c.number];
-    const Mat3 R = b.body.soft() ? Mat3::Identity() : motion(b.body.name).R, I = R * c.inertia * R.transpose();
-    const double m = b.body.mass();
-    const auto by = holds_.moved_by(b.body.name, motion, b.x);
-    for (std::size_t j = 0; j < n; ++j) {
-      const auto phi = by.find(motors_[j].joint);
-      if (phi == by.end()) continue;
-      out.J[j] += m * phi->second.v.dot(b.a) + phi->second.w.dot(I * b.alpha);
-      for (std::size_t k = 0; k < n; ++k)
-        if (const auto other = by.find(motors_[k].joint); other != by.end())
-          out.M(j, k) += m * phi->second.v.dot(other->second.v) + phi->second.w.dot(I * other->second.w);
-      if (b.touches || b.stopped) out.free[j] = false;
-      if (b.stopped) out.stopped[j] = true;
-      if (errors_[j].size == 0) errors_[j].size = motors_[j].slides ? b.body.radius(b.x, points) : 1;
-    }
-  }
-  return out;
+  std::vector<std::string> joints;
+  for (const Motor& m : motors_) joints.push_back(m.joint);
+  sums_.emplace(input, holds_, joints, [&](const std::string& body) { return holds_.goes_by_gains(body); });
 }
 
 // theta through the step that led to a state.
-void MotorLag::advance(const Sums& sums, const Snapshot& said) {
+void MotorLag::advance(const JointSums::Sums& sums, const std::vector<bool>& free, const Snapshot& said) {
   const auto n = static_cast<Eigen::Index>(motors_.size());
   Eigen::VectorXd x(n), v(n), a(n), changed(n);
   for (Eigen::Index j = 0; j < n; ++j) {
@@ -110,7 +51,7 @@ void MotorLag::advance(const Sums& sums, const Snapshot& said) {
                  now = own[j] + D[j] * v[j] + K[j] * x[j] + late;
     g[j] = begins ? now : e.g, dg[j] = now - g[j], theta[j] = e.theta, rate[j] = e.rate;
     e.g = now, e.J = sums.J[j] + m.armature * a[j], e.a = a[j], e.v_before = e.v, e.v = v[j];
-    if (sums.free[j]) continue;
+    if (free[j]) continue;
     M.row(j).setZero(), M.col(j).setZero();
     M(j, j) = 1, K[j] = D[j] = g[j] = dg[j] = 0;
   }
@@ -127,15 +68,15 @@ void MotorLag::advance(const Sums& sums, const Snapshot& said) {
       const Motor& m = motors_[j];
       Error& e = errors_[j];
       const double target = e.target + share * (m.wanted(said) - e.target);
-      if (sums.free[j] && !m.saturated(said)) Error::see(e.as_should, m.torque_at(target, theta[j], rate[j]));
+      if (free[j] && !m.saturated(said)) Error::see(e.as_should, m.torque_at(target, theta[j], rate[j]));
     }
   }
   for (Eigen::Index j = 0; j < n; ++j) {
     const Motor& m = motors_[j];
     Error& e = errors_[j];
-    e.theta = sums.free[j] ? theta[j] : x[j], e.rate = sums.free[j] ? rate[j] : v[j];
+    e.theta = free[j] ? theta[j] : x[j], e.rate = free[j] ? rate[j] : v[j];
     e.touched.state(x[j], v[j], m.wanted(said), (sums.J[j] + m.armature * a[j]) / sums.M(j, j), a[j], integration_.step);
-    if (sums.free[j] || sums.stopped[j] || m.saturated(said)) e.touched.swing.rest();
+    if (free[j] || sums.stopped[j] || m.saturated(said)) e.touched.swing.rest();
     if (const double beside = e.touched.swing.e; beside != 0) {
       e.reach = std::max(e.reach, std::abs(x[j] + beside - e.start));
       Error::see(e.as_should, m.torque_at(m.wanted(said), x[j] + beside, v[j]));
@@ -153,12 +94,17 @@ void MotorLag::TouchedJoint::state(double to, double rate, double wanted, double
 }
 
 void MotorLag::state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies) {
-  if (carried_.empty() || bodies.empty()) return;
+  if (!sums_ || sums_->empty() || bodies.empty()) return;
   errors_.resize(motors_.size());
-  Sums sums = sum(points, bodies);
+  JointSums::Sums sums = sums_->of(points, bodies);
+  std::vector<bool> free;
+  for (std::size_t j = 0; j < motors_.size(); ++j) {
+    sums.M(j, j) += motors_[j].armature, free.push_back(!sums.touches[j] && !sums.stopped[j]);
+    if (errors_[j].size == 0) errors_[j].size = motors_[j].slides ? sums.size[j] : 1;
+  }
   // BDF2 begins with shorter steps of first order, whose accelerations nobody reports.
-  if (++states_ <= tuning::kBegins && integration_.second_order) sums.free.assign(sums.free.size(), false);
-  if (states_ > 1) advance(sums, said);
+  if (++states_ <= tuning::kBegins && integration_.second_order) free.assign(free.size(), false);
+  if (states_ > 1) advance(sums, free, said);
   for (std::size_t j = 0; j < motors_.size(); ++j) {
     const Motor& m = motors_[j];
     Error& e = errors_[j];
@@ -167,7 +113,7 @@ void MotorLag::state(const Snapshot& said, const std::vector<double>& points, co
     e.target = m.wanted(said);
     e.wrong = std::max(e.wrong, std::abs(x - e.theta)), e.far = std::max(e.far, std::abs(x - e.start));
     Error::see(e.torque, torque);
-    if (states_ == 1 || (!sums.free[j] && e.touched.swing.e == 0) || m.saturated(said)) Error::see(e.as_should, torque);
+    if (states_ == 1 || (!free[j] && e.touched.swing.e == 0) || m.saturated(said)) Error::see(e.as_should, torque);
   }
 }
 

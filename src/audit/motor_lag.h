@@ -18,11 +18,13 @@
 // touches something or is at a stop starts anew when it is free again. Soft bodies count as points.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "audit/fitted_swing.h"
 #include "audit/holds.h"
+#include "audit/joint_sums.h"
 #include "audit/moving_body.h"
 #include "base/archive.h"
 #include "base/snapshot.h"
@@ -72,25 +74,12 @@ class MotorLag {
     static void see(double (&largest)[2], double torque) { largest[torque > 0] = std::fmax(largest[torque > 0], std::abs(torque)); }
     double should() const { return std::fmax(as_should[0], as_should[1]); }
   };
-  // A body that hangs on such joints.
-  struct Carried {
-    std::size_t number;
-    Mat3 inertia;  // at rest, about the centre of mass; none of soft bodies [kg m^2]
-  };
-  // M, rotors of motors included, and J of all motors; those that are free to go.
-  struct Sums {
-    Eigen::MatrixXd M;
-    Eigen::VectorXd J;
-    std::vector<bool> free, stopped;
-  };
-  Sums sum(const std::vector<double>& points, const std::vector<MovingBody>& bodies);
-  void advance(const Sums& sums, const Snapshot& said);
+  void advance(const JointSums::Sums& sums, const std::vector<bool>& free, const Snapshot& said);
 
   Integration integration_;
   Holds holds_;
   std::vector<Motor> motors_;
-  std::vector<Carried> carried_;
-  std::map<std::string, std::vector<Vec3>> rest_;  // of all bodies [m]
+  std::optional<JointSums> sums_;  // rotors of motors left out
   std::vector<Error> errors_;
   long states_ = 0;
 };

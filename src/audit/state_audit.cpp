@@ -114,7 +114,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   lag_.state(now.points, moving);
   phase_.state(moving), soft_phase_.state(now.said, now.points, moving);
   const std::vector<double> forces = forces_on(now);
-  given_lag_.state(moving, forces);
+  given_lag_.state(now.said, now.points, moving, forces);
   held_weight_.state(forces);
   facet_torque_.state(now.said, now.points, moving);
   buckling_.state(now.said, now.points);
