@@ -298,6 +298,46 @@ TEST(Mjcf, ActuatorsSayWhatMotorsCanDo) {
   EXPECT_THAT(text, HasSubstr("{joint: free, mode: passive, damping: 0.2}"));
 }
 
+// A scene's motors go where they are told to: what holds a speed is a damper where none is asked for.
+TEST(Mjcf, MotorsThatHoldASpeedAreDampers) {
+  const std::string bodies = [] {
+    std::string out = "<worldbody><body name='base'>" + kBall;
+    for (const char* j : {"v", "g", "i", "d", "m"})
+      out += "<body name='b" + std::string(j) + "' pos='1 0 0'><joint name='" + j + "' damping='0.2'/>" + kBall + "</body>";
+    return out + "</body></worldbody>";
+  }();
+  Notes notes;
+  const Robot r = robot(bodies + R"(
+<actuator>
+  <velocity joint='v' kv='3' gear='2' forcerange='-1 1'/>
+  <general joint='g' biastype='affine' gainprm='5' biasprm='0 0 -5'/>
+  <intvelocity joint='i' kp='100' kv='2' actrange='-1 1'/>
+  <damper joint='d' kv='1' ctrlrange='0 1'/>
+  <motor joint='m' ctrlrange='-1 1'/>
+</actuator>)",
+                        &notes);
+  const std::string text = write_scene(assemble(r, {}, notes), {}, "m.yaml", "");
+  EXPECT_THAT(text, HasSubstr("{joint: v, mode: passive, damping: 12.2}"));
+  EXPECT_THAT(text, HasSubstr("{joint: g, mode: passive, damping: 5.2}"));
+  EXPECT_THAT(text, HasSubstr("{joint: i, mode: pd, kp: 100, kd: 2, damping: 0.2, angle: 0 deg}"));
+  EXPECT_THAT(text, HasSubstr("{joint: d, mode: passive, damping: 0.2}"));
+  EXPECT_THAT(text, HasSubstr("{joint: m, mode: pd, "));
+  EXPECT_THAT(all(notes), HasSubstr("m.xml:4:3: warning: a motor that holds a speed has no equal: its joint is damped by its gain (kv)"));
+  EXPECT_THAT(all(notes), HasSubstr("m.xml:6:3: warning: <intvelocity> becomes a position motor"));
+  EXPECT_THAT(all(notes), HasSubstr("m.xml:7:3: warning: <damper> in <actuator> is not imported"));
+  EXPECT_THAT(all(notes),
+              HasSubstr("m.xml:8:3: warning: an actuator without gains of a position: its joint has a position motor whose gains are chosen"));
+}
+
+TEST(Mjcf, WhatResistsInABallJointIsTold) {
+  Notes notes;
+  world("<body name='a'>" + kBall + "<body name='b'>\n<joint type='ball' damping='0.1' armature='0.01' stiffness='0'/>" + kBall + "</body></body>",
+        &notes);
+  EXPECT_EQ(all(notes),
+            "m.xml:3:1: warning: attribute 'damping' of a joint of type 'ball' is not imported\n"
+            "m.xml:3:1: warning: attribute 'armature' of a joint of type 'ball' is not imported\n");
+}
+
 TEST(Mjcf, WhatTendonsDoBesidePullingIsTold) {
   Notes notes;
   robot("<worldbody><body name='a'><joint name='j' range='-1 1'/>" + kBall +

@@ -181,6 +181,28 @@ TEST(Urdf, ARootCalledWorldHoldsWhatIsFixedToIt) {
   EXPECT_EQ(m.axes[0].to, -1);
 }
 
+// It stays where its file has it, over the floor or through the scene's z = 0, and the floor is below; others stand on the floor.
+TEST(Urdf, WhatIsFixedToTheWorldStaysAtItsHeight) {
+  const auto at = [](double z, const std::string& root, Notes* notes = nullptr) {
+    return machine(link(root) + link("stand", kBall) + link("arm", kBall + inertial(1, "0 0 0", 0.1)) +
+                       joint("f", "fixed", root, "stand", "<origin xyz='0 0 " + text(z) + "'/>") +
+                       joint("t", "continuous", "stand", "arm", "<origin xyz='0 0 -0.2'/>"),
+                   {}, notes);
+  };
+  Notes notes;
+  const Machine high = at(1, "world", &notes);
+  EXPECT_EQ(high.bodies[0].at.t[2], 1);
+  EXPECT_EQ(high.floor, 0);
+  EXPECT_FALSE(told(notes, "the floor lies below it"));
+  const Machine low = at(0.1, "world", &notes);
+  EXPECT_EQ(low.bodies[0].at.t[2], 0.1);
+  EXPECT_NEAR(low.floor, 0.1 - 0.2 - 0.05 - 2e-3, 1e-12);
+  EXPECT_TRUE(told(notes, "r.urdf:2:1: warning: what the file ties to the world stays at its height: the floor lies below it"));
+  EXPECT_NE(write_scene(low, {}, "r.yaml", "").find("floor: {type: half_space, point: [0, 0, -0.152]}"), std::string::npos);
+  const Machine free = at(1, "base");
+  EXPECT_NEAR(free.axes[0].place[2], 0.05 + 2e-3, 1e-12);
+}
+
 TEST(Urdf, JointsMimicExactly) {
   const std::string limits = "<limit lower='0' upper='0.04'/>";
   Notes notes;

@@ -30,20 +30,38 @@ double largest(const Element& e, const char* attribute) {
   return std::max(std::abs(range[0]), std::abs(range[1]));
 }
 
-// An actuator's force f = g u + b0 + b1 q + b2 q' at the joint times its gear: a PD motor where b1 = -g.
-void drive(const Element& e, Joint& j) {
+// An actuator's force f = g u + b0 + b1 q + b2 q' at the joint times its gear: a PD motor where b1 = -g, and with b1 = 0, b2 = -g one that holds a
+// speed, which is a damper where none is asked for. Does the joint have a motor?
+bool drive(const Element& e, Joint& j, Notes& notes) {
   const std::string kind = e.name();
   const double gear = e.has("gear") ? std::abs(e.numbers("gear").at(0)) : 1, square = gear * gear;
-  if (kind == "position") {
-    j.kp = square * e.number("kp", 1.0), j.kd = square * e.number("kv", 0.0);
-  } else if (kind == "general" && e.has("gainprm") && e.has("biasprm") && e.text("biastype", "none") == "affine") {
-    const std::vector<double> gain = e.numbers("gainprm"), bias = e.numbers("biasprm");
-    if (bias.size() > 1 && bias[1] == -gain[0]) j.kp = square * gain[0], j.kd = bias.size() > 2 ? square * -bias[2] : 0;
+  std::vector<double> gain{0}, bias;
+  if (kind == "position" || kind == "intvelocity")
+    gain[0] = e.number("kp", 1.0), bias = {0, -gain[0], -e.number("kv", 0.0)};
+  else if (kind == "velocity")
+    gain[0] = e.number("kv", 1.0), bias = {0, 0, -gain[0]};
+  else if (kind == "general" && e.has("gainprm") && e.has("biasprm") && e.text("biastype", "none") == "affine")
+    gain = e.numbers("gainprm"), bias = e.numbers("biasprm");
+  bias.resize(3, 0);
+  if (gain.at(0) > 0 && bias[1] == 0 && bias[2] == -gain[0]) {
+    j.damping += square * gain[0];
+    notes.add(e.where(),
+              "a motor that holds a speed has no equal: its joint is damped by its gain (kv), as if it held zero, without a limit of force");
+    return false;
   }
-  j.kp = std::max(0.0, j.kp), j.kd = std::max(0.0, j.kd);
+  if (kind == "damper") {
+    notes.add(e.where(), "<damper> in <actuator> is not imported");
+    return false;
+  }
+  if (gain[0] > 0 && bias[1] == -gain[0])
+    j.kp = square * gain[0], j.kd = std::max(0.0, square * -bias[2]);
+  else
+    notes.add(e.where(), "an actuator without gains of a position: its joint has a position motor whose gains are chosen");
+  if (kind == "intvelocity") notes.add(e.where(), "<intvelocity> becomes a position motor: the integral of its input is to be given as the target");
   double effort = e.has("forcerange") ? gear * largest(e, "forcerange") : 0;
   if (effort == 0 && kind == "motor" && e.has("ctrlrange")) effort = gear * largest(e, "ctrlrange");
   if (effort > 0) j.effort = j.effort > 0 ? std::min(j.effort, effort) : effort;
+  return true;
 }
 
 }  // namespace
@@ -74,8 +92,7 @@ void read_actuators(const Element& root, const Defaults& defaults, Robot& robot,
       any = true;
       if (e.has("joint") && !freed(robot, e, "joint")) {
         const std::size_t j = named(robot.joints, e, "joint", "joint");
-        driven[j] = 1;
-        drive(e, robot.joints[j]);
+        if (drive(e, robot.joints[j], notes)) driven[j] = 1;
       } else if (e.has("tendon") && tendons.count(e.text("tendon")) > 0) {
         for (const std::size_t j : tendons[e.text("tendon")]) driven[j] = 1;
         idle.erase(e.text("tendon"));

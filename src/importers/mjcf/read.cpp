@@ -190,6 +190,9 @@ class Reader {
     j.damping = std::max(0.0, e.number("damping", 0.0)), j.friction = std::max(0.0, e.number("frictionloss", 0.0));
     j.stiffness = std::max(0.0, e.has("stiffness") ? e.numbers("stiffness").at(0) : 0.0), j.rest = unit * e.number("springref", 0.0);
     j.armature = std::max(0.0, e.number("armature", 0.0));
+    for (const char* what : {"damping", "frictionloss", "stiffness", "armature"})
+      if (!j.moves() && e.has(what) && e.numbers(what).at(0) != 0)
+        notes_.add(e.where(), std::string("attribute '") + what + "' of a joint of type '" + type + "' is not imported");
     if (e.has("actuatorfrcrange")) j.effort = std::max(0.0, e.numbers("actuatorfrcrange", 2)[1]);
     return j;
   }

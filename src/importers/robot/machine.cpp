@@ -91,7 +91,9 @@ class Assembly {
       Body b;
       b.name = taken.of(l.name), b.where = l.where, b.bearing = l.bearing;
       const bool loose = !world && (root || joint_of(link).type == Joint::Type::floating);
-      b.held = world || (loose && bases[link]) || (!root && joint_of(link).type == Joint::Type::fixed);
+      const bool fixed = world || (!root && joint_of(link).type == Joint::Type::fixed);
+      b.held = fixed || (loose && bases[link]);
+      fixed_to_world_ = fixed_to_world_ || fixed;
       body_[link] = static_cast<std::ptrdiff_t>(out_.bodies.size());
       merge(b, l, Pose{});
       frame_.push_back(link);
@@ -315,19 +317,28 @@ class Assembly {
     return body_[link] == kWorld ? std::vector<std::size_t>{} : std::vector<std::size_t>{static_cast<std::size_t>(body_[link])};
   }
 
-  // Clear of the floor. What hangs on the world hangs where the file says, unless that is in the floor.
+  // Clear of the floor. A robot that its file ties to the world is where the file says, and the floor below it.
   void lift() {
     double lowest = INFINITY;
     for (const Body& b : out_.bodies)
       for (const Shape& s : b.shapes) lowest = std::min(lowest, bounds(s, b.at * s.at).first[2]);
     for (const Pad& p : out_.pads) lowest = std::min(lowest, bounds(p.shape, p.shape.at).first[2]);
-    const bool hangs = std::any_of(out_.axes.begin(), out_.axes.end(), [](const Axis& a) { return a.to < 0; });
-    if (hangs && lowest >= options_.clearance) return;
+    if (tied_to_world()) {
+      if (lowest >= options_.clearance) return;
+      out_.floor = lowest - options_.clearance;
+      notes_.add(robot_.links[robot_.root].where, "what the file ties to the world stays at its height: the floor lies below it, not at z = 0");
+      return;
+    }
     const Vec3 up(0, 0, options_.clearance - lowest);
     for (Body& b : out_.bodies) b.at.t += up;
     for (Axis& a : out_.axes) a.place += up;
     for (ClosingJoint& l : out_.loops) l.place += up;
     for (Pad& p : out_.pads) p.shape.at.t += up;
+  }
+
+  bool tied_to_world() const {
+    const auto hangs = [](const auto& joint) { return joint.to < 0; };
+    return fixed_to_world_ || std::any_of(out_.axes.begin(), out_.axes.end(), hangs) || std::any_of(out_.loops.begin(), out_.loops.end(), hangs);
   }
 
   const Robot& robot_;
@@ -338,6 +349,7 @@ class Assembly {
   std::vector<Pose> in_body_;         // of every link
   std::vector<std::size_t> frame_;    // by body: the link whose frame it has
   std::vector<std::size_t> soft_;     // links
+  bool fixed_to_world_ = false;       // some body, by the file
   Standing stand_;
 };
 

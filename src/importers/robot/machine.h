@@ -113,6 +113,7 @@ struct Machine {
     double period, stride, clearance, duty;
   };
   std::optional<Gait> gait;
+  double floor = 0;                                        // where it lies [m]
   std::vector<std::pair<std::size_t, std::size_t>> apart;  // bodies and pads (numbered after the bodies) that the file says shall not touch
   double mass() const;
 };

@@ -135,7 +135,7 @@ class Writer {
     line("bodies:");
     for (const Body& b : m_.bodies) body(b);
     for (std::size_t p = 0; p < m_.pads.size(); ++p) pad(p);
-    line("  floor: {type: half_space}");
+    line("  floor: {type: half_space" + (m_.floor == 0 ? "" : ", point: " + vector({0, 0, m_.floor})) + "}");
     line("");
   }
 
