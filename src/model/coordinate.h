@@ -1,12 +1,14 @@
 #pragma once
 // The coordinate of a joint as a function of the blocks of its two bodies: the angle of a hinge (model/hinge.h), or the way of a slide,
 //
-//     s = U . d,     U = A_t u,   d = p_c - p_t - A_t X        c: the body that slides; X: its centre at rest, from that of t
+//     s = U . d / U . U,     U = A_t u,   d = p_c - p_t - A_t X        c: the body that slides; X: its centre at rest, from that of t
 //
-// (in the world U = u, and d is counted from the centre at rest). With c tied not to turn against t, and to stay on the line along U, that is how far
-// it has gone. Exactly
+// (in the world U = u, and d is counted from the centre at rest): how far it has gone along the axis of t, which is as strained as t. With N = U . d
+// and D = U . U exactly
 //
-//     ds/dp_c = U,  ds/dp_t = -U,  ds/da_k = u_k d - X_k U,     d2s: u_k I of (p_c, a_k), -u_k I of (p_t, a_k), -(u_k X_l + u_l X_k) I of (a_k, a_l):
+//     dN/dp_c = U,  dN/dp_t = -U,  dN/da_k = u_k d - X_k U,     d2N: u_k I of (p_c, a_k), -u_k I of (p_t, a_k), -(u_k X_l + u_l X_k) I of (a_k, a_l)
+//     dD/da_k = 2 u_k U,     d2D: 2 u_k u_l I of (a_k, a_l)
+//     ds = (dN - s dD) / D,     d2s = (d2N - s d2D - ds dD^T - dD ds^T) / D:
 //
 // forces on both bodies without sum or moment.
 #include "model/hinge.h"
@@ -39,12 +41,15 @@ MORTISE_HD inline HingeDirections reading(const Coordinate& c, device::View<cons
 }
 
 MORTISE_HD inline double coordinate(const Coordinate& c, const HingeDirections& r) {
-  return c.slides ? c.at_rest + r.c2.dot(r.c3) : unwrapped(c.at_rest + hinge_angle(r), c.before);
+  return c.slides ? c.at_rest + r.c2.dot(r.c3) / r.c3.dot(r.c3) : unwrapped(c.at_rest + hinge_angle(r), c.before);
 }
 
 // Its rate where what it depends on has the rate w: of atan2(s, k) it is (k s' - s k') / (k^2 + s^2).
 MORTISE_HD inline double coordinate_rate(const Coordinate& c, const HingeDirections& r, const HingeDirections& w) {
-  if (c.slides) return w.c2.dot(r.c3) + r.c2.dot(w.c3);
+  if (c.slides) {
+    const double D = r.c3.dot(r.c3), s = r.c2.dot(r.c3) / D;
+    return (w.c2.dot(r.c3) + r.c2.dot(w.c3) - 2 * s * r.c3.dot(w.c3)) / D;
+  }
   const double s = sine(r), k = cosine(r);
   const double s1 = w.c2.dot(r.t3) - w.c3.dot(r.t2) + r.c2.dot(w.t3) - r.c3.dot(w.t2);
   const double k1 = w.c2.dot(r.t2) + w.c3.dot(r.t3) + r.c2.dot(w.t2) + r.c3.dot(w.t3);
@@ -55,37 +60,41 @@ MORTISE_HD inline double coordinate_rate(const Coordinate& c, const HingeDirecti
 MORTISE_HD inline void coordinate_stencil(const Coordinate& c, const HingeDirections& r, double e1, double e2, double concave, Index* block,
                                           Vec3* grad, Mat3* hess) {
   if (!c.slides) return hinge_stencil(c.hinge, r, e1, e2, concave, block, grad, hess);
+  const double D = r.c3.dot(r.c3), s = r.c2.dot(r.c3) / D;
   // c, t, a1, a2, a3, unused
-  Vec3 g[kCoordinateBlocks];
+  Vec3 g[kCoordinateBlocks], stretch[kCoordinateBlocks];  // ds, dD
   for (int b = 0; b < kCoordinateBlocks; ++b) {
-    const bool used = b == 0 || (b < 5 && c.carrier >= 0);
+    const bool used = b == 0 || (b < 5 && c.carrier >= 0), column = used && b >= 2;
     block[b] = !used ? -1 : b == 0 ? c.slider : c.carrier + b - 1;
-    g[b] = !used ? Vec3(Vec3::Zero()) : b == 0 ? r.c3 : b == 1 ? Vec3(-r.c3) : Vec3(c.u[b - 2] * r.c2 - c.X[b - 2] * r.c3);
+    stretch[b] = column ? Vec3(2 * c.u[b - 2] * r.c3) : Vec3(Vec3::Zero());
+    const Vec3 dN = column ? Vec3(c.u[b - 2] * r.c2 - c.X[b - 2] * r.c3) : b == 0 ? r.c3 : used ? Vec3(-r.c3) : Vec3(Vec3::Zero());
+    g[b] = (dN - s * stretch[b]) / D;
     grad[b] = e1 * g[b];
   }
   if (!hess) return;
-  linalg::MatN<kCoordinateBlocks> S;  // of e1 d2s, where it is not as it is
+  const double k = e1 / D;
+  linalg::MatN<kCoordinateBlocks> S;  // e1 d2s = S I - k (ds dD^T + dD ds^T)
+  for (int a = 0; a < kCoordinateBlocks; ++a)
+    for (int b = 0; b < kCoordinateBlocks; ++b) S(a, b) = 0;
+  for (int i = 0; i < 3 && c.carrier >= 0; ++i) {
+    S(0, 2 + i) = S(2 + i, 0) = k * c.u[i], S(1, 2 + i) = S(2 + i, 1) = -k * c.u[i];
+    for (int l = 0; l < 3; ++l) S(2 + i, 2 + l) = -k * (c.u[i] * c.X[l] + c.u[l] * c.X[i] + 2 * s * c.u[i] * c.u[l]);
+  }
+  const double share = c.carried_freely ? concave : 1;
   if (c.carried_freely) {
-    for (int a = 0; a < kCoordinateBlocks; ++a)
-      for (int b = 0; b < kCoordinateBlocks; ++b) S(a, b) = 0;
-    for (int k = 0; k < 3; ++k) {
-      S(0, 2 + k) = S(2 + k, 0) = e1 * c.u[k], S(1, 2 + k) = S(2 + k, 1) = -e1 * c.u[k];
-      for (int l = 0; l < 3; ++l) S(2 + k, 2 + l) = -e1 * (c.u[k] * c.X[l] + c.u[l] * c.X[k]);
-    }
     linalg::MatN<kCoordinateBlocks> convex = S;
     linalg::project_psd<kCoordinateBlocks>(convex);
     for (int a = 0; a < kCoordinateBlocks; ++a)
-      for (int b = 0; b < kCoordinateBlocks; ++b) S(a, b) = convex(a, b) + concave * (S(a, b) - convex(a, b));
+      for (int b = 0; b < kCoordinateBlocks; ++b) S(a, b) = convex(a, b) + share * (S(a, b) - convex(a, b));
   }
+  // -k (g h^T + h g^T) = |k| / 2 [(w g - h/w)(w g - h/w)^T - (w g + h/w)(w g + h/w)^T] for k > 0; a small w leaves most to h, where t is stiff.
+  constexpr double kAlong = 0.125;
+  const double sign = k < 0 ? -1 : 1, half = 0.5 * sign * k;
   for (int a = 0, place = 0; a < kCoordinateBlocks; ++a)
     for (int b = a; b < kCoordinateBlocks; ++b, ++place) {
-      if (c.carried_freely) {
-        hess[place] = e2 * g[a] * g[b].transpose() + S(a, b) * Mat3::Identity();
-        continue;
-      }
-      double same = 0;  // of d2s
-      if (c.carrier >= 0 && b >= 2 && b < 5) same = a == 0 ? c.u[b - 2] : a == 1 ? -c.u[b - 2] : -(c.u[a - 2] * c.X[b - 2] + c.u[b - 2] * c.X[a - 2]);
-      hess[place] = e2 * g[a] * g[b].transpose() + (e1 * same) * Mat3::Identity();
+      const Vec3 ga = kAlong * g[a], gb = kAlong * g[b], ha = sign / kAlong * stretch[a], hb = sign / kAlong * stretch[b];
+      hess[place] = e2 * g[a] * g[b].transpose() + S(a, b) * Mat3::Identity();
+      hess[place] += half * ((ga - ha) * (gb - hb).transpose() - share * ((ga + ha) * (gb + hb).transpose()));
     }
 }
 
@@ -95,11 +104,13 @@ MORTISE_HD inline double coordinate_way(const Coordinate& c, const HingeDirectio
     const double most_up = kFarthest - (x - c.before), most_down = kFarthest + (x - c.before);
     return hinge_way(r, w, up < most_up ? up : most_up, down < most_down ? down : most_down);
   }
-  const double first = w.c2.dot(r.c3) + r.c2.dot(w.c3), second = w.c2.dot(w.c3);
+  // N - (s + up) D and its likeness are quadratic along the way.
+  const double D = r.c3.dot(r.c3), first = w.c2.dot(r.c3) + r.c2.dot(w.c3), second = w.c2.dot(w.c3);
+  const double D1 = 2 * r.c3.dot(w.c3), D2 = w.c3.dot(w.c3), high = x - c.at_rest + up, low = x - c.at_rest - down;
   double alpha = 2;
-  if (up < INFINITY) alpha = first_root(-up, first, second);
+  if (up < INFINITY) alpha = first_root(-up * D, first - high * D1, second - high * D2);
   if (down < INFINITY) {
-    const double a = first_root(-down, -first, -second);
+    const double a = first_root(-down * D, low * D1 - first, low * D2 - second);
     if (a < alpha) alpha = a;
   }
   return alpha;

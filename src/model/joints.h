@@ -32,7 +32,6 @@ struct Joint {
   // Of the accepted state:
   double value = 0, before = 0;      // turns are counted; a step earlier
   double rate = 0, rate_before = 0;  // as the integrator has it [1/s]; likewise
-  double strained = 0;               // of a slide: by how much Coordinate is more than that, as a strained body's axis is longer or shorter
   // Where what steps leave out is mended (effects/integrator.h): what rate and acceleration of the step under way are more.
   double ahead = 0, behind = 0;
   bool has_coordinate() const { return type == JointType::revolute || type == JointType::prismatic; }

@@ -715,3 +715,36 @@ effects:
     EXPECT_NEAR(top, 1e-3, 1e-5) << length;
   }
 }
+
+// A slide that falls on its stop: the blow strains its foot by a thousandth, and the stop, which is where the axis of the foot says, is not passed.
+TEST(Stranger, ASlideThatFallsOnItsStopIsStoppedByIt) {
+  for (double speed : {0.5, 1.0, 2.0}) {
+    Rig rig(R"(
+mortise: 1
+name: hop
+time: {step: 1 ms, steps: 12}
+bodies:
+  foot: {type: stiff, shape: {box: {size: [60 mm, 60 mm, 10 mm], edge_length: 60 mm}}, position: [0, 0, 5.02 mm], mass: 0.1 kg}
+  body: {type: stiff, shape: {box: {size: [50 mm, 50 mm, 50 mm], edge_length: 50 mm}}, position: [0, 0, 60 mm], mass: 1 kg}
+  floor: {type: half_space}
+effects:
+  inertia: {}
+  gravity: {}
+  affine_body: {}
+  joint: [{name: leg, type: prismatic, body: body, to: foot, axis: [0, 0, 1], travel_limits: [-5 mm, 400 mm]}]
+  barrier_contact: {}
+)",
+            {"bodies.body.velocity=[0, 0, -" + std::to_string(speed) + "]"});
+    double least = 0, push = 0;
+    for (int i = 0; i < 12; ++i) {
+      rig.step();
+      const Captured f = rig.fields();
+      least = std::min(least, f.at("joint/leg_travel"));
+      ASSERT_TRUE(std::isfinite(f.at("joint/leg_stop"))) << speed << " " << i << " " << f.at("joint/leg_travel");
+      push = std::max(push, f.at("joint/leg_stop"));
+    }
+    EXPECT_GT(least, -5e-3) << speed;
+    EXPECT_LT(least, -4.97e-3) << speed << ": it gets there";
+    EXPECT_GT(push, 100) << speed;
+  }
+}

@@ -296,8 +296,6 @@ class Drive final : public Effect, public Commanded {
     for (const Driven& d : motors_) {
       const model::Joint& j = model_.joints[d.joint];
       items.push_back({model::coordinate_of(model_, j), {j.value, d.law}});
-      // Ways of a step begin at nothing: kd and D would take what strain makes of the coordinate for a rate, which grows as steps get shorter.
-      items.back().of.at_rest -= j.strained;
       begin_.push_back(j.value);
     }
     energy_.upload(items);

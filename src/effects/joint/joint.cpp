@@ -125,7 +125,6 @@ class Joints final : public Effect {
       if (!step.taken_by(j.env)) continue;
       const double rate = step.is_static ? 0 : step.integrator(j.env).rate(now[i], j.value, j.before) + j.ahead;
       j.rate_before = std::exchange(j.rate, rate), j.before = std::exchange(j.value, now[i]);
-      j.strained = now[moving_.size() + i];
     }
   }
 
@@ -172,8 +171,7 @@ class Joints final : public Effect {
     for (const auto& [name, of] : {std::pair{"value", &model::Joint::value},
                                    {"before", &model::Joint::before},
                                    {"rate", &model::Joint::rate},
-                                   {"rate_before", &model::Joint::rate_before},
-                                   {"strained", &model::Joint::strained}}) {
+                                   {"rate_before", &model::Joint::rate_before}}) {
       std::vector<double> values;
       for (Index j : by_env) values.push_back(model_.joints[j].*of);
       archive.io(name, values, firsts(env, model_.envs));
@@ -203,21 +201,13 @@ class Joints final : public Effect {
     return rate.download();
   }
 
-  // Of all joints that have one, at q; turns counted from the accepted state. After them, by how much what energies take for them is more
-  // (model::Joint::strained).
+  // Of all joints that have one, at q; turns counted from the accepted state.
   std::vector<double> coordinates(Positions q) const {
     const device::Buffer<model::Coordinate> all = those_that_move();
-    const Index n = all.size();
-    device::Buffer<double> value(2 * n);
+    device::Buffer<double> value(all.size());
     const View<double> out = value.view();
     const View<const model::Coordinate> of = all.view();
-    device::parallel_for("joint.coordinates", n, [=] MORTISE_HD(Index i) {
-      const model::HingeDirections r = model::reading(of[i], q);
-      const double taken = model::coordinate(of[i], r);
-      // A body that is strained by 1e-9 has an axis that is as much too long.
-      out[i] = of[i].slides ? of[i].at_rest + r.c2.dot(r.c3) / r.c3.dot(r.c3) : taken;
-      out[n + i] = taken - out[i];
-    });
+    device::parallel_for("joint.coordinates", out.n, [=] MORTISE_HD(Index i) { out[i] = model::coordinate(of[i], model::reading(of[i], q)); });
     return value.download();
   }
 
