@@ -101,6 +101,8 @@ class Effect {
   virtual bool second_order(Index env) const { return (void)env, false; }
   // Of an integrator of second order: has it no history yet, so that the next step begins with one of first order?
   virtual bool starts(Index env) const { return (void)env, false; }
+  // Of supports: are points free in a step as long as this one that begins where it does, and were held in the one before?
+  virtual bool lets_go(const StepInfo& step, Index env) const { return (void)step, (void)env, false; }
   virtual void own_gain(Positions q, device::EnvValues gain, device::EnvValues there) { (void)q, (void)gain, (void)there; }
   // Of a motor that holds energy and reports it: how much at the last accepted state, at the beginning of the step under way (which may pull
   // elsewhere) and at q, its end; and the gradient of what holds it, at q, along the way `move` of the step.

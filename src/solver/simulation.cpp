@@ -160,13 +160,21 @@ void Simulation::step(const std::function<bool()>& stop_asked, const StepReports
     long done = 0, size = 0;
     EnergyGuard guard;
     bool first_order = false;  // the step under way
+    bool sets_out = false;     // pins let go where the step begins
   };
   const long units = 1L << options_.halvings;
   std::vector<Cut> cuts(model_.envs);
-  for (Index e = 0; e < model_.envs; ++e)
-    cuts[e].size = std::any_of(effects_.begin(), effects_.end(), [&](const auto& effect) { return effect->starts(e); })
-                       ? std::max(units >> tuning::kStartHalvings, 1L)
-                       : units;
+  // Where a run begins there is no history, and where pins let go it is none of what they held: steps of second order begin with a short one of
+  // first.
+  effects::StepInfo whole{time_[0], options_.dt, step_[0], options_.is_static};
+  if (model_.envs > 1) whole.begins = time_;
+  for (const auto& effect : effects_) effect->integrate(whole);
+  const auto of_any = [&](const auto& what) { return std::any_of(effects_.begin(), effects_.end(), what); };
+  for (Index e = 0; e < model_.envs; ++e) {
+    cuts[e].sets_out = whole.integrator(e).a2 != 0 && of_any([&](const auto& effect) { return effect->lets_go(whole, e); });
+    const bool begins = cuts[e].sets_out || of_any([&](const auto& effect) { return effect->starts(e); });
+    cuts[e].size = begins ? std::max(units >> tuning::kStartHalvings, 1L) : units;
+  }
   EnvMask takes(model_.envs, 1);
   for (Index e = 0; e < model_.envs; ++e)
     if (!lost_[e].empty() || resting_[e]) cuts[e].done = units, takes[e] = 0;
@@ -204,7 +212,7 @@ void Simulation::step(const std::function<bool()>& stop_asked, const StepReports
     effects::StepInfo info{time_[next - cuts.data()] + offset, options_.dt * (static_cast<double>(size) / units), step_[next - cuts.data()],
                            options_.is_static};
     for (Index e = 0; e < model_.envs && model_.envs > 1; ++e) info.begins.push_back(time_[e] + offset);
-    for (const Cut& c : cuts) info.first_order.push_back(c.first_order);
+    for (const Cut& c : cuts) info.first_order.push_back(c.first_order || (c.sets_out && c.done == 0));
     for (const auto& effect : effects_) effect->integrate(info);
     std::vector<std::string> why(model_.envs);
     newton_.may_cut(size > 1);

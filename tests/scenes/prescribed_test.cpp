@@ -118,4 +118,27 @@ TEST(Prescribed, LandsOnWhatIsHeldOnceItIsReleased) {
   EXPECT_GT(fallen, -5.01e-3);
 }
 
+// The step in which it begins to move is of first order for an eighth: by BDF2 alone it falls 14 % short.
+TEST(Prescribed, WhatIsReleasedFallsFromThere) {
+  Rig rig(R"(
+mortise: 1
+name: drop
+time: {step: 5 ms, steps: 15}
+bodies:
+  cube: {type: stiff, shape: {box: {size: [20 mm, 20 mm, 20 mm], edge_length: 20 mm}}, mass: 0.1 kg}
+effects:
+  inertia: {integrator: bdf2}
+  gravity: {}
+  affine_body: {}
+  pin: [{body: cube, where: {side: all}, release: 50 ms}]
+)");
+  rig.steps(10);
+  rig.resume();
+  EXPECT_EQ(rig.step().substeps, 4);
+  EXPECT_EQ(rig.step().substeps, 1);
+  rig.steps(3);
+  const double fallen = -rig.fields().point["displacement"][2], due = 0.5 * 9.81 * 0.025 * 0.025;
+  EXPECT_NEAR(fallen, due, 2e-3 * due);
+}
+
 }  // namespace

@@ -61,11 +61,17 @@ class Pin final : public Effect {
 
   // Depends on nothing but the times, so that steps may be tried again and runs resumed anywhere.
   void begin_step(const StepInfo& step) override {
-    hold(step, 1e-9 * step.dt);
+    hold(step, kSameTime * step.dt);
     for (Index env = 0; env < model_.envs; ++env)
       for (const Entry& e : entries_of(env))
         if (step.taken_by(env) && e.motion.moves() && step.t0_of(env) < e.release) check_path(e, step, env);
     move(step);
+  }
+
+  bool lets_go(const StepInfo& step, Index env) const override {
+    const double t0 = step.t0_of(env), tolerance = kSameTime * step.dt;
+    const auto entries = entries_of(env);
+    return std::any_of(entries.begin(), entries.end(), [&](const Entry& e) { return holds(e, t0 - step.dt, tolerance) && !holds(e, t0, tolerance); });
   }
 
   // Points go straight from where they are to where they are asked to be at the end of the step, and what lies beside that way is not met: a
@@ -222,12 +228,16 @@ class Pin final : public Effect {
     return axes;
   }
 
+  static constexpr double kSameTime = 1e-9;  // of a step: times are sums of steps
+  // In a step that begins then.
+  static bool holds(const Entry& e, double time, double tolerance) { return time < e.release - tolerance; }
+
   // Projectors and `held` of a step; touches the model only when an entry was released since.
   void hold(const StepInfo& step, double tolerance) {
     bool changed = false;
     for (Index e = 0; e < model_.envs; ++e) {
       std::vector<bool> active;
-      for (const Entry& entry : entries_of(e)) active.push_back(step.t0_of(e) < entry.release - tolerance);
+      for (const Entry& entry : entries_of(e)) active.push_back(holds(entry, step.t0_of(e), tolerance));
       if (!step.taken_by(e) || active == active_[e]) continue;
       active_[e] = active;
       changed = true;
