@@ -47,6 +47,7 @@ std::string advice(std::string_view check, const Has& has) {
       {"shape_defect", kRound},
       {"friction_crept", "a smaller creep_speed of friction"},
       {"touch_lag", "shorter steps where bodies come to touch"},
+      {"friction_turned", "more steps where what slips goes round a bend"},
       {"slip_sampling", "a finer mesh of what turns on what it bears on (edge_length)"},
       {"pressure_roughness", "mortar_contact with the finer mesh as the slave, a finer mesh, or gap: averaged"},
       {"pressure_misfit", "a finer mesh of what is pressed, and mortar_contact with consistent weights, which are its own"},

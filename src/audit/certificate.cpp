@@ -93,7 +93,8 @@ void Certificate::state(const Snapshot& said, double time) {
   }
   const ForceBalance balance = force_balance(said);
   const std::vector<Rubbing> rubs = rubbing(friction_laws_, said);
-  crept_.state(said, rubs), slip_sampling_.state(said, rubs), bearings_.state(said), touch_lag_.state(said), stiff_strain_.state(said);
+  crept_.state(said, rubs), slip_sampling_.state(said, rubs), friction_turned_.state(rubs), bearings_.state(said), touch_lag_.state(said),
+      stiff_strain_.state(said);
   if (states_++ > 0) field_errors_.state(said, time);  // where a run starts nothing is solved yet
   largest(written_newton_, said.at("balance/written_defect"));
   largest(balance_newton_, balance.defect);
@@ -139,7 +140,7 @@ void Certificate::checkpoint(Archive& archive) {
   archive.io("first_not_finite", first_not_finite_);
   field_errors_.checkpoint(archive);
   crept_.checkpoint(archive), bearings_.checkpoint(archive), touch_lag_.checkpoint(archive), slip_sampling_.checkpoint(archive),
-      stiff_strain_.checkpoint(archive);
+      friction_turned_.checkpoint(archive), stiff_strain_.checkpoint(archive);
   for (auto [name, value] : {std::pair{"not_finite", &not_finite_},
                              {"states", &states_},
                              {"steps", &steps_},

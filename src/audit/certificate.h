@@ -7,6 +7,7 @@
 #include "audit/bearing_creep.h"
 #include "audit/crept.h"
 #include "audit/field_errors.h"
+#include "audit/friction_turned.h"
 #include "audit/grade.h"
 #include "audit/slip_sampling.h"
 #include "audit/state_audit.h"
@@ -64,6 +65,7 @@ class Certificate {
   BearingCreep bearings_;
   TouchLag touch_lag_;
   SlipSampling slip_sampling_;
+  FrictionTurned friction_turned_;
   StiffStrain stiff_strain_;
   double shape_defect_ = 0, schedule_missed_ = NAN;
   std::vector<std::string> passes_through_;  // what nothing keeps apart

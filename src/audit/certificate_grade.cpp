@@ -78,6 +78,7 @@ std::vector<Check> Certificate::checks(const End& end, const FieldErrors::Result
   add("shape_defect", shape > 0 ? shape : NAN, tuning::kShape);
   add("friction_crept", std::fmax(crept_.share(), bearings_.share()), tuning::kCrept);
   add("touch_lag", touch_lag_.share(), tuning::kTouchLag);
+  add("friction_turned", friction_turned_.share(), tuning::kFrictionTurned, Of::forces);
   add("slip_sampling", slip_sampling_.share(), tuning::kSlipSampling);
   add("pressure_roughness", fields.pressure.roughness, tuning::kRoughness, Of::fields);
   add("pressure_misfit", fields.pressure.misfit, tuning::kMisfit, Of::fields);

@@ -33,7 +33,10 @@ Rubbing pairs_of(const std::string& effect, const FrictionLaw& law, const Snapsh
     const double taken = -F.dot(at(slip->second, i));
     FrictionPair& of = out[std::minmax(static_cast<std::size_t>(bodies[2 * i]), static_cast<std::size_t>(bodies[2 * i + 1]))];
     of.force += F.norm(), of.power += taken, work += taken;
-    if (sticks != said.row.end() && sticks->second[i] != 0) of.stuck += taken;
+    if (sticks != said.row.end() && sticks->second[i] != 0)
+      of.stuck += taken;
+    else
+      of.slips += F, of.slid += F.norm();
     if (normal == said.row.end()) continue;
     const double N = normal->second[i];
     of.normal += N, of.pressed += N * at(slip->second, i).norm();

@@ -20,11 +20,13 @@ struct FrictionLaw {
 std::map<std::string, FrictionLaw> friction_laws(const model::ModelInput& input);
 
 struct FrictionPair {
-  double force = 0;    // sum |F| [N]
-  double power = 0;    // that friction takes away [W],
-  double stuck = 0;    // of which where it sticks
-  double pressed = 0;  // of the normal forces N: sum N v, v the speed of slip [W]
-  double normal = 0;   // sum N [N]
+  double force = 0;           // sum |F| [N]
+  double power = 0;           // that friction takes away [W],
+  double stuck = 0;           // of which where it sticks
+  double pressed = 0;         // of the normal forces N: sum N v, v the speed of slip [W]
+  double normal = 0;          // sum N [N]
+  Vec3 slips = Vec3::Zero();  // sum of F where it slips [N],
+  double slid = 0;            // and of |F|
   // Mean speed with which what sticks gives way, over all of friction's forces, and of the slip, over those that press [m/s].
   double creep() const { return force > 0 ? stuck / force : 0; }
   double pressed_speed() const { return normal > 0 ? pressed / normal : 0; }

@@ -26,57 +26,77 @@ bool goes_along(const MovingBody& b, const std::vector<MovingBody>& bodies) {
 
 }  // namespace
 
-GivenKinks::GivenKinks(const model::ModelInput& input) {
+GivenKinks::GivenKinks(const model::ModelInput& input)
+    : holds_(input.scene.at("effects")),
+      drives_(kinematic_joints(input.scene.at("effects"), holds_)),
+      sums_(input, holds_, drives_, [&](const std::string& body) { return holds_.given(body); }) {
   const Integration integration = integration_of(input.scene);
   if (integration.second_order && told_to_move(input.scene.at("effects"))) step_ = integration.step;
+  for (const std::string& name : drives_)
+    coordinates_.push_back("joint/" + name + (joint_named(input.scene.at("effects"), name)->text("type") == "prismatic" ? "_travel" : "_angle"));
 }
 
-void GivenKinks::look(Body& body, const MovingBody& b, double force) const {
+bool GivenKinks::Told::goes_on(const Vec3& now, const Vec3& velocity, double h) {
+  std::rotate(x, x + 3, x + 3 * kKept), std::rotate(v, v + 3, v + 3 * kKept);
+  // Before that it went on at the velocity that it began with.
+  for (int k = states++ == 0 ? 0 : kKept - 1; k < kKept; ++k)
+    Eigen::Map<Vec3>(x + 3 * k) = now - (kKept - 1 - k) * h * velocity, Eigen::Map<Vec3>(v + 3 * k) = velocity;
+  return states - 2 >= tuning::kBegins;  // two states before this one
+}
+
+void GivenKinks::look(Told& told, double m, double force, const Counts& counts) const {
   const double h = step_;
-  const auto c = [&](int k) { return across(b, Vec3(at(body.x, k + 1) - 2 * at(body.x, k) + at(body.x, k - 1)) / (h * h)).norm(); };
+  const auto c = [&](int k) { return counts(Vec3(at(told.x, k + 1) - 2 * at(told.x, k) + at(told.x, k - 1)) / (h * h)).norm(); };
   const int n = kKept - 3;
   const auto jumps = [&](int k) { return c(k) > tuning::kSpike * std::max(c(k - 1), c(k + 1)); };
   double most = 0;
   bool jumped = false;
   for (int k = n - 3; k <= n; ++k) jumped = jumped || jumps(k), most = std::max(most, c(k));
-  const double a = across(b, effects::bdf2(h, h).rate(at(body.v, n), at(body.v, n - 1), at(body.v, n - 2))).norm(), m = b.body.mass();
-  body.jumps += jumps(n);
+  const double a = counts(effects::bdf2(h, h).rate(at(told.v, n), at(told.v, n - 1), at(told.v, n - 2))).norm();
+  told.jumps += jumps(n);
   if (jumped) {
-    body.jumped = std::max(body.jumped, m * a);
+    told.jumped = std::max(told.jumped, m * a);
     return;
   }
-  body.taken = std::max(body.taken, m * a), body.asked = std::max(body.asked, m * most);
-  body.all = std::max({body.all, body.asked, b.given ? force : tuning::kAcross * b.push.norm()});
+  told.taken = std::max(told.taken, m * a), told.asked = std::max(told.asked, m * most);
+  told.all = std::max({told.all, told.asked, force});
 }
 
-void GivenKinks::state(const std::vector<MovingBody>& bodies, const std::vector<double>& forces) {
+void GivenKinks::state(const Snapshot& said, const std::vector<double>& points, const std::vector<MovingBody>& bodies,
+                       const std::vector<double>& forces) {
   if (std::isnan(step_) || bodies.empty()) return;
-  bodies_.resize(bodies.size());
+  bodies_.resize(bodies.size()), joints_.resize(drives_.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MovingBody& b = bodies[i];
-    Body& body = bodies_[i];
     if (!goes_along(b, bodies)) {
-      body.states = 0;
+      bodies_[i].states = 0;
       continue;
     }
-    std::rotate(body.x, body.x + 3, body.x + 3 * kKept), std::rotate(body.v, body.v + 3, body.v + 3 * kKept);
-    // Before that it went on at the velocity that it began with.
-    for (int k = body.states++ == 0 ? 0 : kKept - 1; k < kKept; ++k)
-      Eigen::Map<Vec3>(body.x + 3 * k) = b.x - (kKept - 1 - k) * step_ * b.v, Eigen::Map<Vec3>(body.v + 3 * k) = b.v;
-    if (body.states - 2 >= tuning::kBegins) look(body, b, forces[i]);  // two states before this one
+    if (bodies_[i].goes_on(b.x, b.v, step_))
+      look(bodies_[i], b.body.mass(), b.given ? forces[i] : tuning::kAcross * b.push.norm(), [&](const Vec3& of) { return across(b, of); });
   }
+  if (sums_.empty()) return;
+  const JointSums::Sums sums = sums_.of(points, bodies);
+  for (std::size_t j = 0; j < drives_.size(); ++j)
+    if (joints_[j].goes_on({said.at(coordinates_[j]), 0, 0}, {said.at("joint/" + drives_[j] + "_rate"), 0, 0}, step_))
+      look(joints_[j], sums.M(j, j), driving(said, drives_[j], sums, j, step_), [](const Vec3& of) { return of; });
 }
 
 double GivenKinks::value() const {
   double most = NAN;
-  for (const Body& b : bodies_) {
-    const bool sampled = b.jumps > tuning::kJumps;
-    const double over = std::max((sampled ? std::max(b.taken, b.jumped) : b.taken) - b.asked, 0.0), all = sampled ? std::max(b.all, b.jumped) : b.all;
-    if (all > 0) most = std::fmax(most, over / all);
-  }
+  for (const std::vector<Told>* of : {&bodies_, &joints_})
+    for (const Told& b : *of) {
+      const bool sampled = b.jumps > tuning::kJumps;
+      const double over = std::max((sampled ? std::max(b.taken, b.jumped) : b.taken) - b.asked, 0.0),
+                   all = sampled ? std::max(b.all, b.jumped) : b.all;
+      if (all > 0) most = std::fmax(most, over / all);
+    }
   return most;
 }
 
-void GivenKinks::checkpoint(Archive& archive) { archive_all(archive, "given_kinks.bodies", bodies_); }
+void GivenKinks::checkpoint(Archive& archive) {
+  archive_all(archive, "given_kinks.bodies", bodies_);
+  archive_all(archive, "given_kinks.joints", joints_);
+}
 
 }  // namespace mortise::audit

@@ -10,24 +10,11 @@
 
 namespace mortise::audit {
 
-namespace {
-
-// Joints with kinematic drives that lead.
-std::vector<std::string> kinematic(const Params& effects, const Holds& holds) {
-  std::vector<std::string> out;
-  for (const Params& p : entries(effects, "drive"))
-    if (const std::optional<Params> joint = joint_named(effects, p.text("joint"));
-        joint && !joint->has("mimic") && holds.motor_of(p.text("joint")).kinematic)
-      out.push_back(p.text("joint"));
-  return out;
-}
-
-}  // namespace
-
 GivenLag::GivenLag(const model::ModelInput& input)
-    : backward_euler_(!integration_of(input.scene).second_order && told_to_move(input.scene.at("effects"))),
+    : step_(integration_of(input.scene).step),
+      backward_euler_(!integration_of(input.scene).second_order && told_to_move(input.scene.at("effects"))),
       holds_(input.scene.at("effects")),
-      drives_(kinematic(input.scene.at("effects"), holds_)),
+      drives_(kinematic_joints(input.scene.at("effects"), holds_)),
       sums_(input, holds_, drives_, [&](const std::string& body) { return backward_euler_ && holds_.given(body); }) {}
 
 void GivenLag::Sides::see(const Vec3& now, double force) {
@@ -54,12 +41,10 @@ void GivenLag::state(const Snapshot& said, const std::vector<double>& points, co
       if (bodies[i].given) bodies_[i].see(bodies[i].body.mass() * bodies[i].a, forces[i]);
   }
   if (sums_.empty()) return;
-  const Eigen::VectorXd J = sums_.of(points, bodies).J;
+  const JointSums::Sums sums = sums_.of(points, bodies);
   for (std::size_t j = 0; j < drives_.size(); ++j) {
-    const std::string drive = "drive/" + drives_[j];
-    const double force = std::abs(said.at(said.has(drive + "_torque") ? drive + "_torque" : drive + "_force"));
-    if (states_ > 2) joints_[j].see({J[j], 0, 0}, force);
-    joints_[j].last[0] = J[j];
+    if (states_ > 2) joints_[j].see({sums.J[j], 0, 0}, driving(said, drives_[j], sums, j, step_));
+    joints_[j].last[0] = sums.J[j];
   }
 }
 

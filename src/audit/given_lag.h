@@ -35,6 +35,7 @@ class GivenLag {
     void see(const Vec3& now, double force);
     double lag() const;
   };
+  double step_;  // h [s]
   bool backward_euler_;
   Holds holds_;
   std::vector<std::string> drives_;  // joints with kinematic drives

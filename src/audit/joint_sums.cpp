@@ -1,7 +1,10 @@
 #include "audit/joint_sums.h"
 
+#include <cmath>
 #include <utility>
 
+#include "audit/entries.h"
+#include "audit/tuning.h"
 #include "audit/vector_at.h"
 
 namespace mortise::audit {
@@ -26,6 +29,21 @@ Mat3 inertia_about_centre(const model::BodyInput& input) {
 }
 
 }  // namespace
+
+std::vector<std::string> kinematic_joints(const Params& effects, const Holds& holds) {
+  std::vector<std::string> out;
+  for (const Params& p : entries(effects, "drive"))
+    if (const std::optional<Params> joint = joint_named(effects, p.text("joint"));
+        joint && !joint->has("mimic") && holds.motor_of(p.text("joint")).kinematic)
+      out.push_back(p.text("joint"));
+  return out;
+}
+
+double driving(const Snapshot& said, const std::string& joint, const JointSums::Sums& sums, std::size_t j, double h) {
+  const std::string torque = "drive/" + joint + "_torque", force = "drive/" + joint + "_force";
+  const bool turns = said.has(torque);
+  return std::fmax(std::abs(said.at(turns ? torque : force)), tuning::kNoWay * (turns ? 1 : sums.size[j]) / (h * h) * sums.M(j, j));
+}
 
 JointSums::JointSums(const model::ModelInput& input, const Holds& holds, std::vector<std::string> joints,
                      const std::function<bool(const std::string&)>& counts)

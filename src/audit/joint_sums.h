@@ -42,4 +42,9 @@ class JointSums {
   std::map<std::string, std::vector<Vec3>> rest_;  // of all bodies [m]
 };
 
+// Joints with kinematic drives that lead.
+std::vector<std::string> kinematic_joints(const Params& effects, const Holds& holds);
+// What the drive of one does, without regard to direction, and no less than rounding does to the j-th of these sums in a step h [N m, N].
+double driving(const Snapshot& said, const std::string& joint, const JointSums::Sums& sums, std::size_t j, double h);
+
 }  // namespace mortise::audit

@@ -28,7 +28,7 @@ MotorLag::MotorLag(const model::ModelInput& input) : integration_(integration_of
 }
 
 // theta through the step that led to a state.
-void MotorLag::advance(const JointSums::Sums& sums, const std::vector<bool>& free, const Snapshot& said) {
+void MotorLag::advance(const JointSums::Sums& sums, const std::vector<How>& how, const Snapshot& said) {
   const auto n = static_cast<Eigen::Index>(motors_.size());
   Eigen::VectorXd x(n), v(n), a(n), changed(n);
   for (Eigen::Index j = 0; j < n; ++j) {
@@ -51,7 +51,7 @@ void MotorLag::advance(const JointSums::Sums& sums, const std::vector<bool>& fre
                  now = own[j] + D[j] * v[j] + K[j] * x[j] + late;
     g[j] = begins ? now : e.g, dg[j] = now - g[j], theta[j] = e.theta, rate[j] = e.rate;
     e.g = now, e.J = sums.J[j] + m.armature * a[j], e.a = a[j], e.v_before = e.v, e.v = v[j];
-    if (free[j]) continue;
+    if (how[j] == How::as_a_mechanism) continue;
     M.row(j).setZero(), M.col(j).setZero();
     M(j, j) = 1, K[j] = D[j] = g[j] = dg[j] = 0;
   }
@@ -68,27 +68,28 @@ void MotorLag::advance(const JointSums::Sums& sums, const std::vector<bool>& fre
       const Motor& m = motors_[j];
       Error& e = errors_[j];
       const double target = e.target + share * (m.wanted(said) - e.target);
-      if (free[j] && !m.saturated(said)) Error::see(e.as_should, m.torque_at(target, theta[j], rate[j]));
+      if (how[j] == How::as_a_mechanism && !m.saturated(said)) Error::see(e.as_should, m.torque_at(target, theta[j], rate[j]));
     }
   }
   for (Eigen::Index j = 0; j < n; ++j) {
     const Motor& m = motors_[j];
     Error& e = errors_[j];
-    e.theta = free[j] ? theta[j] : x[j], e.rate = free[j] ? rate[j] : v[j];
-    e.touched.state(x[j], v[j], m.wanted(said), (sums.J[j] + m.armature * a[j]) / sums.M(j, j), a[j], integration_.step);
-    if (free[j] || sums.stopped[j] || m.saturated(said)) e.touched.swing.rest();
-    if (const double beside = e.touched.swing.e; beside != 0) {
+    const bool followed = how[j] == How::as_a_mechanism;
+    e.theta = followed ? theta[j] : x[j], e.rate = followed ? rate[j] : v[j];
+    e.swing.state(x[j], v[j], m.wanted(said), (sums.J[j] + m.armature * a[j]) / sums.M(j, j), a[j], integration_.step);
+    if (how[j] != How::as_a_swing || m.saturated(said)) e.swing.beside.rest();
+    if (const double beside = e.swing.beside.e; beside != 0) {
       e.reach = std::max(e.reach, std::abs(x[j] + beside - e.start));
       Error::see(e.as_should, m.torque_at(m.wanted(said), x[j] + beside, v[j]));
     }
   }
 }
 
-void MotorLag::TouchedJoint::state(double to, double rate, double wanted, double driven_to, double a_to, double h) {
+void MotorLag::Swing::state(double to, double rate, double wanted, double driven_to, double a_to, double h) {
   const double now = (to - x) / h, target_now = (wanted - target) / h;
   if (++states > 2) {
-    swing.fit(h * (now - target_now), rate - v - (target_now - target_slope), driven_to - driven);
-    swing.swing(a, a_to, now - slope, h);
+    beside.fit(h * (now - target_now), rate - v - (target_now - target_slope), driven_to - driven);
+    beside.swing(a, a_to, now - slope, h);
   }
   x = to, slope = now, v = rate, target = wanted, target_slope = target_now, driven = driven_to, a = a_to;
 }
@@ -97,14 +98,16 @@ void MotorLag::state(const Snapshot& said, const std::vector<double>& points, co
   if (!sums_ || sums_->empty() || bodies.empty()) return;
   errors_.resize(motors_.size());
   JointSums::Sums sums = sums_->of(points, bodies);
-  std::vector<bool> free;
-  for (std::size_t j = 0; j < motors_.size(); ++j) {
-    sums.M(j, j) += motors_[j].armature, free.push_back(!sums.touches[j] && !sums.stopped[j]);
-    if (errors_[j].size == 0) errors_[j].size = motors_[j].slides ? sums.size[j] : 1;
-  }
   // BDF2 begins with shorter steps of first order, whose accelerations nobody reports.
-  if (++states_ <= tuning::kBegins && integration_.second_order) free.assign(free.size(), false);
-  if (states_ > 1) advance(sums, free, said);
+  const bool begins = ++states_ <= tuning::kBegins && integration_.second_order;
+  std::vector<How> how;
+  for (std::size_t j = 0; j < motors_.size(); ++j) {
+    const Motor& m = motors_[j];
+    sums.M(j, j) += m.armature;
+    how.push_back(begins || sums.stopped[j] ? How::not_at_all : m.has_gains() && !sums.touches[j] ? How::as_a_mechanism : How::as_a_swing);
+    if (errors_[j].size == 0) errors_[j].size = m.slides ? sums.size[j] : 1;
+  }
+  if (states_ > 1) advance(sums, how, said);
   for (std::size_t j = 0; j < motors_.size(); ++j) {
     const Motor& m = motors_[j];
     Error& e = errors_[j];
@@ -113,7 +116,7 @@ void MotorLag::state(const Snapshot& said, const std::vector<double>& points, co
     e.target = m.wanted(said);
     e.wrong = std::max(e.wrong, std::abs(x - e.theta)), e.far = std::max(e.far, std::abs(x - e.start));
     Error::see(e.torque, torque);
-    if (states_ == 1 || (!free[j] && e.touched.swing.e == 0) || m.saturated(said)) Error::see(e.as_should, torque);
+    if (states_ == 1 || (how[j] != How::as_a_mechanism && e.swing.beside.e == 0) || m.saturated(said)) Error::see(e.as_should, torque);
   }
 }
 

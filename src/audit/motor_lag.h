@@ -14,8 +14,9 @@
 // part of it, which goes as straight). The last two terms are of accelerations that others impose, as a hand does on its jaws: with backward Euler
 // they are late by h, else there are none. u is what the run's angle is more than theta, and
 // the torque of a motor should be kp (target - theta) - kd theta', within steps as well, where the largest ones mostly are. A motor that gives all of
-// its effort has no kp and no kd. Not followed: what hangs on joints that nothing drives or efforts do, and mechanisms that nothing holds. What
-// touches something or is at a stop starts anew when it is free again. Soft bodies count as points.
+// its effort has no kp and no kd. Not followed: what hangs on joints that nothing drives or efforts do, and mechanisms that nothing holds. Soft
+// bodies count as points. While something of it touches, what that weighs and gives is in no M and no K: it goes as a swing fitted to J_j / M_jj then
+// (fitted_swing.h), as joints with springs alone do, whose phase others tell. What is at a stop starts anew when it is free again.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -59,22 +60,23 @@ class MotorLag {
     }
   };
   // A joint as a swing: its state, and that of its target; J_j / M_jj and what its rate changes by.
-  struct TouchedJoint {
-    FittedSwing swing;
+  struct Swing {
+    FittedSwing beside;
     double states = 0, x = 0, slope = 0, v = 0, target = 0, target_slope = 0, driven = 0, a = 0;
     void state(double x, double v, double target, double driven, double a, double h);
   };
   // Of a motor: theta and its rate; of the last state g, J, v', v and the target, and v of the one before; the start; the size of what it moves; what
   // was largest so far, of torques against its coordinate and along it.
   struct Error {
-    TouchedJoint touched;
-    double reach = 0;  // the farthest that it should have been from its start, touching
+    Swing swing;
+    double reach = 0;  // the farthest that it should have been from its start, as a swing
     double theta = 0, rate = 0, g = 0, J = 0, a = 0, v = 0, v_before = 0, target = 0, start = 0, size = 0;
     double wrong = 0, far = 0, torque[2] = {0, 0}, as_should[2] = {0, 0};
     static void see(double (&largest)[2], double torque) { largest[torque > 0] = std::fmax(largest[torque > 0], std::abs(torque)); }
     double should() const { return std::fmax(as_should[0], as_should[1]); }
   };
-  void advance(const JointSums::Sums& sums, const std::vector<bool>& free, const Snapshot& said);
+  enum class How { not_at_all, as_a_swing, as_a_mechanism };  // a joint is followed in a step
+  void advance(const JointSums::Sums& sums, const std::vector<How>& how, const Snapshot& said);
 
   Integration integration_;
   Holds holds_;

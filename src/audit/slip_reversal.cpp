@@ -23,12 +23,13 @@ SlipReversal::SlipReversal(const model::ModelInput& input) : integration_(integr
       if (bodies[i]->name == joint->text("to")) dry_.push_back({"joint/" + name + "_rate", i, geometry::bounds_of(bodies[i]->nodes).size().norm()});
   }
   joints_.resize(dry_.size()), bearings_.resize(dry_.size());
+  for (const auto& [effect, law] : friction_laws(input)) creep_ = std::max(creep_, law.creep_speed);
 }
 
 void SlipReversal::advance(Slip& slip, const Vec3& v, double rate) const {
   Eigen::Map<Vec3> last(slip.v);
   slip.fastest = std::max(slip.fastest, v.norm());
-  const bool slides = std::max(v.norm(), (v - last).norm()) > tuning::kSlips * slip.fastest;
+  const bool slides = std::max(v.norm(), (v - last).norm()) > std::max(tuning::kSlips * slip.fastest, creep_);
   const bool turns = slides && v.dot(last) < 0;
   if (turns && slip.turned != 0) slip.late += 2 * integration_.step * slip.rate * slip.time;
   if (turns || !slides) slip.gone += slip.way, slip.begin(turns);
@@ -57,9 +58,9 @@ void SlipReversal::state(const Snapshot& said, const std::vector<MovingBody>& bo
   bodies_.resize(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MovingBody& b = bodies[i];
-    const bool rides = b.free && b.on && bodies[*b.on].given && !b.push.isZero(0);
-    advance(bodies_[i], rides ? b.across_push(b.v - bodies[*b.on].rigid().at(b.pressed)) : Vec3(Vec3::Zero()),
-            b.body.sum(*friction).norm() / b.body.mass());
+    const Vec3 there = b.on ? bodies[*b.on].rigid().at(b.pressed) : Vec3(Vec3::Zero());
+    const bool rides = b.free && b.on && bodies[*b.on].given && !b.push.isZero(0) && !there.isZero(0);
+    advance(bodies_[i], rides ? b.across_push(b.v - there) : Vec3(Vec3::Zero()), b.body.sum(*friction).norm() / b.body.mass());
   }
 }
 

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "audit/friction_pairs.h"
 #include "audit/moving_body.h"
 #include "base/archive.h"
 #include "model/input.h"
@@ -44,6 +45,7 @@ class SlipReversal {
     double size;       // of that [m]
   };
   Integration integration_;
+  double creep_ = 0;        // slower is no slip of bodies [m/s]
   std::vector<Joint> dry_;  // whose bearings have dry friction
   std::vector<Slip> bodies_, joints_;
   std::vector<Bearing> bearings_;

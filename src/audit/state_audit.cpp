@@ -119,7 +119,7 @@ const EnergyAudit::Result& EnergyAudit::state(const StateReport& now) {
   facet_torque_.state(now.said, now.points, moving);
   buckling_.state(now.said, now.points);
   bond_overlap_.state(now.points);
-  given_kinks_.state(moving, forces);
+  given_kinks_.state(now.said, now.points, moving, forces);
   carried_.state(now.points, moving);
   std::vector<double> elastic;
   for (std::size_t i = 0; i < moving.size(); ++i) elastic.push_back(elastic_[i].at(now.points));

@@ -46,9 +46,10 @@ inline constexpr Bounds kMisfit{0.01, 0.0125};
 inline constexpr Bounds kTurned{0.2, 0.4};
 inline constexpr Bounds kLayer{0.03, 0.06};
 inline constexpr Bounds kLayerOverWay{0.05, 0.1};
-inline constexpr Bounds kLoadTurned{0.05, 0.08};  // a thick tube that is blown up: 1.2 times its growth is missing
-inline constexpr Bounds kShape{0.025, 0.05};      // of volume: half of that of stiffness against bending
-inline constexpr Bounds kCrept{0.02, 0.035};      // a pad that was sheared and held lost 23 % of its force at 0.041
+inline constexpr Bounds kLoadTurned{0.05, 0.08};     // a thick tube that is blown up: 1.2 times its growth is missing
+inline constexpr Bounds kShape{0.025, 0.05};         // of volume: half of that of stiffness against bending
+inline constexpr Bounds kFrictionTurned{0.05, 0.1};  // of friction: what is across the direction that it should have
+inline constexpr Bounds kCrept{0.02, 0.035};         // a pad that was sheared and held lost 23 % of its force at 0.041
 inline constexpr Bounds kTouchLag{0.05, 0.1};
 inline constexpr Bounds kSlipSampling{0.05, 0.1};
 inline constexpr Bounds kStiffStrain{0.025, 0.05};  // about the middle: one end is off by twice that from the other
