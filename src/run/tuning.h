@@ -26,6 +26,8 @@ inline constexpr double kLeastCovered = 0.1;                      // of a sensor
 inline constexpr double kLeastFelt = 0.1;                         // by a sensor, of the largest force on its body (sensor_reach.h)
 inline constexpr double kCoarsest = 10;                           // edge_length over the size of a body
 inline constexpr double kThickest = 0.1;                          // d_hat over the size of a body
+inline constexpr int kFewBends = 8;        // of a target: phases of a scene have fewer, a track that was sampled more (corners.cpp)
+inline constexpr double kBend = 0.01;      // of its fastest speed
 inline constexpr double kNearlyAll = 0.8;  // of the memory there is: other programs want some, and the estimate is one (memory.cpp)
 
 // ---- environments

@@ -14,6 +14,7 @@
 #include "geometry/bounds.h"
 #include "geometry/rigid_motion.h"
 #include "model/bonded.h"
+#include "run/corners.h"
 #include "run/idle_joints.h"
 #include "run/tuning.h"
 #include "run/unit_warnings.h"
@@ -207,6 +208,7 @@ std::vector<std::string> warnings(const model::ModelInput& input) {
   of_joint_limits(input.scene, out);
   for (std::string& unit : unit_warnings(input)) out.push_back(std::move(unit));
   for (std::string& idle : idle_joints(input)) out.push_back(std::move(idle));
+  for (std::string& corner : corners(input)) out.push_back(std::move(corner));
   for (std::string& risk : audit::locking_risks(input)) out.push_back(std::move(risk));
   for (const scene::PassThrough& p : scene::pass_through(input.scene, engine::effect_tables()))
     if (p.everything) out.push_back(p.text());

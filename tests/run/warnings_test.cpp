@@ -61,6 +61,24 @@ TEST(Warnings, TellWhatIsNeverReached) {
   EXPECT_THAT(held("", ", motion: {time: [0, 9 ms], translation: [[0, 0, 0], [0, 0, 1 mm]]}"), IsEmpty());
 }
 
+// Torques were 4 to 20 times too large, and nobody had said anything.
+TEST(Warnings, TellOfCorners) {
+  std::string times, angles;
+  for (int k = 0; k < 11; ++k) times += (k ? ", " : "") + std::to_string(0.02 * k), angles += (k ? ", " : "") + std::to_string(0.01 * k * k);
+  const auto told = [&](const std::string& mode, const std::string& interpolation, const std::string& step = "5 ms") {
+    return warned(
+        {"bodies.stone={type: stiff, shape: {box: {size: [20 mm, 20 mm, 20 mm], edge_length: 10 mm}}, position: [1, 0, 1], mass: 1}",
+         "effects.affine_body={}", "effects.joint=[{name: j, body: stone, type: revolute, at: [1, 0, 1], axis: [0, 0, 1]}]",
+         "effects.drive=[{joint: j, " + mode + ", angle: {time: [" + times + "], value: [" + angles + "]}, interpolation: " + interpolation + "}]",
+         "time.step=" + step, "time.steps=100"});
+  };
+  EXPECT_THAT(told("mode: kinematic", "linear"),
+              ElementsAre(HasSubstr("the target of 'j' goes straight between 11 keys: its speed jumps at each, and its torque is that of jumps")));
+  EXPECT_THAT(told("mode: kinematic", "smooth"), IsEmpty());
+  EXPECT_THAT(told("mode: kinematic", "linear", "20 ms"), IsEmpty()) << "no step sees a corner";
+  EXPECT_THAT(told("mode: pd, kp: 1", "linear"), IsEmpty());
+}
+
 TEST(Warnings, TellOfUnitsThatAreMissing) {
   EXPECT_THAT(warned({"effects.barrier_contact.stiffness=1e16"}),
               ElementsAre(HasSubstr("effects.barrier_contact.stiffness is 1e+16 Pa; is the unit")));
