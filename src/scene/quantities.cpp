@@ -42,18 +42,18 @@ void check_quantity(const Params& q, const SourceLoc& at, const std::string& wha
   const std::string& value = q.text("value");
   const bool field = !value.empty() && value.find('/') == std::string::npos;
   const bool body = q.has("body"), over = q.has("over"), point = q.has("point");
-  const bool of_forces = value.ends_with("_force");
-  const std::string of_whole = of_forces && body ? "; the force on all of '" + q.text("body") + "' is a scalar, group/force_" + q.text("body") +
-                                                       " or supports/" + q.text("body")
-                                                 : "";
+  const bool of_forces = value.ends_with("_force") && body;
+  const std::string of_whole =
+      of_forces ? "the force on all of '" + q.text("body") + "' is a scalar, group/force_" + q.text("body") + " or supports/" + q.text("body") : "";
   if (field && !body) errors.add(at, what + ": '" + value + "' is a field of points and needs a body; scalars are written group/name");
   if (!field && body) errors.add(at, what + ": '" + value + "' is a scalar; body belongs to fields of points");
   if (field && body && over == point)
     errors.add(at, what + " needs either over or point",
-               "over: mean, max, min, integral, area or percentile of its surface; point: [x, y, z] on it" + of_whole);
+               "over: mean, max, min, integral, area or percentile of its surface; point: [x, y, z] on it" + (of_forces ? "; " + of_whole : ""));
   // Forces of points are no density: over a surface only the largest and the smallest mean something.
-  if (field && body && over && of_forces && !std::set<std::string>{"max", "min", "area"}.count(q.text("over")))
-    errors.add(at, what + ": '" + value + "' is a force of each point, whose " + q.text("over") + " over a surface is no force", of_whole.substr(2));
+  static const std::set<std::string> meant{"max", "min", "area"};
+  if (field && over && of_forces && !meant.count(q.text("over")))
+    errors.add(at, what + ": '" + value + "' is a force of each point, whose " + q.text("over") + " over a surface is no force", of_whole);
   if ((over && q.text("over") == "percentile") != q.has("percent")) errors.add(at, what + ": percentile and percent belong together");
   if (q.has("when") && q.text("when") == "sum" && leaf_of(value) == "dissipation")
     errors.add(at, what + ": '" + value + "' is the sum since the start already; 'when: end' gives it");
