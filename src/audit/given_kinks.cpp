@@ -24,14 +24,19 @@ bool goes_along(const MovingBody& b, const std::vector<MovingBody>& bodies) {
   return b.across_push(b.v - there).norm() <= tuning::kStill * there.norm();
 }
 
+// h of a scene that this is about, else NaN.
+double looked_at(const model::ModelInput& input) {
+  const Integration integration = integration_of(input.scene);
+  return integration.second_order && told_to_move(input.scene.at("effects")) ? integration.step : NAN;
+}
+
 }  // namespace
 
 GivenKinks::GivenKinks(const model::ModelInput& input)
-    : holds_(input.scene.at("effects")),
-      drives_(kinematic_joints(input.scene.at("effects"), holds_)),
+    : step_(looked_at(input)),
+      holds_(input.scene.at("effects")),
+      drives_(std::isnan(step_) ? std::vector<std::string>() : kinematic_joints(input.scene.at("effects"), holds_)),
       sums_(input, holds_, drives_, [&](const std::string& body) { return holds_.given(body); }) {
-  const Integration integration = integration_of(input.scene);
-  if (integration.second_order && told_to_move(input.scene.at("effects"))) step_ = integration.step;
   for (const std::string& name : drives_)
     coordinates_.push_back("joint/" + name + (joint_named(input.scene.at("effects"), name)->text("type") == "prismatic" ? "_travel" : "_angle"));
 }

@@ -14,8 +14,8 @@ GivenLag::GivenLag(const model::ModelInput& input)
     : step_(integration_of(input.scene).step),
       backward_euler_(!integration_of(input.scene).second_order && told_to_move(input.scene.at("effects"))),
       holds_(input.scene.at("effects")),
-      drives_(kinematic_joints(input.scene.at("effects"), holds_)),
-      sums_(input, holds_, drives_, [&](const std::string& body) { return backward_euler_ && holds_.given(body); }) {}
+      drives_(backward_euler_ ? kinematic_joints(input.scene.at("effects"), holds_) : std::vector<std::string>()),
+      sums_(input, holds_, drives_, [&](const std::string& body) { return holds_.given(body); }) {}
 
 void GivenLag::Sides::see(const Vec3& now, double force) {
   const double change = (now - at(last, 0)).norm(), of = std::fmax(now.norm(), force);
